@@ -1,0 +1,30 @@
+# The libraries we take instead of writing them (ARCHITECTURE.md lists why each is here).
+find_package(PkgConfig REQUIRED)
+find_package(Threads REQUIRED)
+find_package(TBB REQUIRED)
+find_package(TIFF REQUIRED)
+find_package(Vulkan REQUIRED)
+find_package(nlohmann_json REQUIRED)
+find_package(spdlog REQUIRED)
+find_package(CLI11 REQUIRED)
+find_package(embree 3 REQUIRED)
+find_package(XercesC REQUIRED)
+find_package(OpenCV REQUIRED COMPONENTS core imgproc imgcodecs calib3d)
+pkg_check_modules(HWY REQUIRED IMPORTED_TARGET libhwy)
+pkg_check_modules(XXHASH REQUIRED IMPORTED_TARGET libxxhash)
+
+find_program(GLSLANG glslangValidator REQUIRED)
+
+# GLM: conventions stand once, here. SYSTEM because its half-float code warns.
+find_path(GLM_INCLUDE glm/glm.hpp REQUIRED)
+add_library(revisit_glm INTERFACE)
+target_include_directories(revisit_glm SYSTEM INTERFACE ${GLM_INCLUDE})
+target_compile_definitions(revisit_glm INTERFACE GLM_FORCE_RADIANS GLM_FORCE_DEPTH_ZERO_TO_ONE GLM_FORCE_XYZW_ONLY
+    GLM_FORCE_EXPLICIT_CTOR)
+
+# libE57Format: Debian's where it has one, else the copy that ./dev built (cmake/get_e57format.sh).
+find_path(E57_INCLUDE E57SimpleReader.h PATHS ${REVISIT_DEPS}/e57format/include PATH_SUFFIXES E57Format REQUIRED)
+find_library(E57_LIBRARY NAMES E57Format PATHS ${REVISIT_DEPS}/e57format/lib REQUIRED)
+add_library(revisit_e57format INTERFACE)
+target_include_directories(revisit_e57format SYSTEM INTERFACE ${E57_INCLUDE})
+target_link_libraries(revisit_e57format INTERFACE ${E57_LIBRARY} XercesC::XercesC)
