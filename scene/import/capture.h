@@ -1,0 +1,51 @@
+#pragma once
+// What a capture consists of, read from its headers and manifests alone; pixels and points are read one item at a time, so
+// that a capture of any size streams through the build.
+
+#include "scene/camera.h"
+#include "scene/pose.h"
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace scene {
+
+/// Radial and tangential distortion as OpenCV has it (k1 k2 p1 p2 k3); all zero: the image is a pinhole's.
+struct Distortion {
+    double k1 = 0, k2 = 0, p1 = 0, p2 = 0, k3 = 0;
+    friend bool operator==(const Distortion&, const Distortion&) = default;
+};
+
+/// A photograph with its registered depth: two picture files. depthUnitMetres is what one step of a 16 bit depth value is.
+struct PhotoSource {
+    std::string name; ///< unique within the capture
+    std::filesystem::path colourPath, depthPath;
+    Camera camera;
+    Distortion distortion;
+    Pose worldFromCamera;
+    double depthUnitMetres = 0.001;
+};
+
+enum class ScanFormat { e57, ptx };
+
+/// One scan within a scan file.
+struct ScanSource {
+    std::string name; ///< unique within the capture
+    std::filesystem::path path;
+    ScanFormat format = ScanFormat::e57;
+    int indexInFile = 0;
+    std::uint64_t byteInFile = 0; ///< where its points start (PTX); 0 otherwise
+    Pose worldFromScanner;
+    std::int64_t pointCount = 0; ///< as the file says, invalid ones included
+    int rows = 0, columns = 0;   ///< 0: unstructured
+};
+
+struct Capture {
+    std::vector<PhotoSource> photos;
+    std::vector<ScanSource> scans;
+    std::vector<std::string> remarks; ///< what was seen but cannot be used, in whole sentences for the user
+};
+
+} // namespace scene

@@ -1,0 +1,84 @@
+#pragma once
+// Tiles: the pieces of a depth image that are culled, stored and drawn (Nyland et al. 1999, section 4.5).
+// What stands here is what the GPU reads and what tiles.bin holds, byte for byte.
+//
+// A tile keeps only the samples that are drawn, with disparity quantised between the tile's own extremes, and only the
+// mesh squares that are not skins. Samples that another image keeps stay as border where a square touches a kept one,
+// so that neighbouring pieces overlap by one triangle and no seam opens.
+
+#include "scene/depth_image.h"
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace scene {
+
+inline constexpr int kDefaultTileSize = 32;
+inline constexpr int kMaxTileSize = 63; ///< a vertex may stand one sample outside its tile, and has 6 bits
+inline constexpr std::uint32_t kMaxQuantisedDisparity = (1u << 20) - 1;
+
+/// A sample. place: x | y << 6 | q << 12, x and y from the tile's first sample, q the quantised disparity:
+/// d = minDisparity + q (maxDisparity - minDisparity) / kMaxQuantisedDisparity. colour: r | g << 8 | b << 16 | flags << 24.
+struct TileVertex {
+    std::uint32_t place = 0, colour = 0;
+    friend bool operator==(const TileVertex&, const TileVertex&) = default;
+};
+static_assert(sizeof(TileVertex) == 8);
+
+/// A mesh square by its four vertices, counted from the tile's first: top = i00 | i10 << 16, bottom = i01 | i11 << 16.
+/// kDrawUpper and kDrawLower say which of its two triangles (see SampleFlag) are drawn; a vertex that no drawn triangle
+/// needs is 0.
+struct TileQuad {
+    std::uint32_t top = 0, bottom = 0;
+    friend bool operator==(const TileQuad&, const TileQuad&) = default;
+};
+static_assert(sizeof(TileQuad) == 8);
+inline constexpr std::uint32_t kDrawUpper = 1u << 15; ///< in top
+inline constexpr std::uint32_t kDrawLower = 1u << 15; ///< in bottom
+inline constexpr std::uint32_t kQuadIndexMask = 0x1fff;
+
+/// firstVertex and firstQuad count within the image's block. The first pointCount vertices are kept samples; the rest is
+/// border, which only the mesh uses. The extremes are over all vertices.
+struct Tile {
+    std::int32_t x0 = 0, y0 = 0; ///< first sample in the image
+    float minDisparity = 0, maxDisparity = 0;
+    std::uint32_t firstVertex = 0, pointCount = 0, vertexCount = 0;
+    std::uint32_t firstQuad = 0, quadCount = 0;
+    std::uint16_t width = 0, height = 0; ///< in samples; vertices have x <= width, y <= height
+    friend bool operator==(const Tile&, const Tile&) = default;
+};
+static_assert(sizeof(Tile) == 40);
+
+/// The tiles of one image, owned.
+struct TileSet {
+    std::vector<Tile> tiles;
+    std::vector<TileVertex> vertices;
+    std::vector<TileQuad> quads;
+};
+
+/// The tiles of one image, lent, with the camera that makes them points: what a renderer is given.
+struct TileBlock {
+    Camera camera;
+    Pose worldFromCamera;
+    std::span<const Tile> tiles;
+    std::span<const TileVertex> vertices;
+    std::span<const TileQuad> quads;
+};
+
+inline TileBlock lend(const TileSet& set, const Camera& camera, const Pose& worldFromCamera) {
+    return {camera, worldFromCamera, set.tiles, set.vertices, set.quads};
+}
+
+/// Cuts an image into tiles of tileSize x tileSize samples (1 to kMaxTileSize). A sample is kept if it is a surface and not
+/// redundant; a triangle is drawn if it is no skin, its three samples are surfaces and at least one is kept. Tiles
+/// without kept samples and triangles are left out.
+TileSet cutIntoTiles(const DepthImage& image, int tileSize = kDefaultTileSize);
+
+/// Disparity of a vertex of this tile.
+inline float disparityOf(const Tile& tile, const TileVertex& vertex) {
+    const float step = (tile.maxDisparity - tile.minDisparity) / static_cast<float>(kMaxQuantisedDisparity);
+    return tile.minDisparity + static_cast<float>(vertex.place >> 12) * step;
+}
+
+} // namespace scene
