@@ -1,0 +1,120 @@
+#include "scene/import/importer.h"
+
+#include "scene/errors.h"
+#include "scene/import/e57.h"
+#include "scene/import/ptx.h"
+#include "scene/import/transforms_json.h"
+#include "scene/import/tum_rgbd.h"
+
+#include <algorithm>
+#include <charconv>
+#include <fstream>
+#include <unordered_map>
+#include <unordered_set>
+
+namespace scene {
+
+namespace {
+
+std::string lowerCaseExtension(const std::filesystem::path& path) {
+    std::string extension = path.extension().string();
+    std::transform(extension.begin(), extension.end(), extension.begin(),
+                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    return extension;
+}
+
+void append(std::vector<ScanSource>& scans, std::vector<ScanSource> more) {
+    scans.insert(scans.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
+}
+
+void openInput(const std::filesystem::path& input, Capture& capture) {
+    std::error_code ignored;
+    if (!std::filesystem::exists(input, ignored)) throw Failure("no such file or folder", input, "check the path");
+    if (std::filesystem::is_directory(input)) {
+        if (std::filesystem::exists(input / "transforms.json")) return listTransformsJson(input / "transforms.json", capture);
+        if (std::filesystem::exists(input / "rgb.txt") && std::filesystem::exists(input / "groundtruth.txt"))
+            return listTumRgbd(input, capture);
+        throw Failure("folder holds no capture that Revisit knows", input,
+                      "it needs a transforms.json with depth, or rgb.txt, depth.txt and groundtruth.txt (TUM)");
+    }
+    const std::string extension = lowerCaseExtension(input);
+    if (extension == ".json") return listTransformsJson(input, capture);
+    if (extension == ".e57") return append(capture.scans, listE57(input, capture.remarks));
+    if (extension == ".ptx") return append(capture.scans, listPtx(input));
+    throw Failure("format " + (extension.empty() ? std::string("without an extension") : extension) + " is not known", input,
+                  "give an .e57, a .ptx, a transforms.json or a folder in TUM layout");
+}
+
+/// Names become file names: letters, digits, dash, underscore and dot of any alphabet stay, the rest becomes a dash.
+std::string fileNameOf(const std::string& name) {
+    std::string clean;
+    for (const char c : name) {
+        const auto byte = static_cast<unsigned char>(c);
+        clean += byte >= 0x80 || std::isalnum(byte) || c == '-' || c == '_' || c == '.' ? c : '-';
+    }
+    constexpr std::size_t kMaxNameBytes = 100;
+    if (clean.size() > kMaxNameBytes) clean.resize(kMaxNameBytes);
+    if (clean.empty() || clean.front() == '.') clean.insert(0, "item");
+    return clean;
+}
+
+template <class Source>
+void makeNamesUnique(std::vector<Source>& sources, std::unordered_set<std::string>& taken) {
+    for (Source& source : sources) {
+        const std::string wanted = fileNameOf(source.name);
+        source.name = wanted;
+        for (int i = 2; !taken.insert(source.name).second; ++i) source.name = wanted + "-" + std::to_string(i);
+    }
+}
+
+int toCount(std::string_view text, const std::string& rule) {
+    int value = -1;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error != std::errc() || end != text.data() + text.size() || value < 0)
+        throw Failure("is not every:N:FIRST", "--hold-out " + rule, "write e.g. every:20:10, or name a file of names");
+    return value;
+}
+
+} // namespace
+
+Capture openCapture(std::span<const std::filesystem::path> inputs) {
+    Capture capture;
+    for (const std::filesystem::path& input : inputs) openInput(input, capture);
+    std::unordered_set<std::string> taken;
+    makeNamesUnique(capture.photos, taken);
+    makeNamesUnique(capture.scans, taken);
+    return capture;
+}
+
+std::vector<std::size_t> findHeldOut(const Capture& capture, const std::string& rule) {
+    std::vector<std::size_t> heldOut;
+    if (rule.empty()) return heldOut;
+    if (rule.starts_with("every:")) {
+        const std::string_view numbers = std::string_view(rule).substr(6);
+        const std::size_t colon = numbers.find(':');
+        const int step = toCount(numbers.substr(0, colon), rule);
+        const int first = colon == std::string_view::npos ? 0 : toCount(numbers.substr(colon + 1), rule);
+        if (step < 1) throw Failure("N is 0", "--hold-out " + rule, "write e.g. every:20:10");
+        for (auto i = static_cast<std::size_t>(first); i < capture.photos.size(); i += static_cast<std::size_t>(step))
+            heldOut.push_back(i);
+        return heldOut;
+    }
+    std::unordered_map<std::string, std::size_t> indexOf;
+    for (std::size_t i = 0; i < capture.photos.size(); ++i) indexOf.emplace(capture.photos[i].name, i);
+    std::ifstream file(rule);
+    if (!file) throw Failure("no such file", "--hold-out " + rule, "write every:N:FIRST, or name a file with an image name on each line");
+    std::string name;
+    for (std::size_t line = 1; std::getline(file, name); ++line) {
+        while (!name.empty() && std::isspace(static_cast<unsigned char>(name.back()))) name.pop_back();
+        if (name.empty()) continue;
+        const auto found = indexOf.find(name);
+        if (found == indexOf.end())
+            throw Failure("no image is called '" + name + "'", atLine(rule, line), "names are the pictures' file names without extension");
+        heldOut.push_back(found->second);
+    }
+    std::sort(heldOut.begin(), heldOut.end());
+    heldOut.erase(std::unique(heldOut.begin(), heldOut.end()), heldOut.end());
+    return heldOut;
+}
+
+} // namespace scene

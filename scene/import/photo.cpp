@@ -1,0 +1,139 @@
+#include "scene/import/photo.h"
+
+#include "scene/errors.h"
+
+#include <cmath>
+
+#include <opencv2/calib3d.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+namespace scene {
+
+namespace {
+
+/// Neighbouring depth values farther apart than this share of the nearer one belong to different surfaces.
+constexpr float kSilhouetteStep = 0.05f;
+
+std::string sizeText(int width, int height) { return std::to_string(width) + "x" + std::to_string(height); }
+
+cv::Mat readPicture(const std::filesystem::path& path, int mode) {
+    if (!std::filesystem::is_regular_file(path))
+        throw Failure("no such picture", path, "check the path in the capture's list of frames");
+    cv::Mat picture;
+    try {
+        picture = cv::imread(path.string(), mode);
+    } catch (const cv::Exception& e) {
+        throw Failure("picture cannot be decoded (" + e.err + ")", path, "export it again, or leave it out of the list");
+    }
+    if (picture.empty())
+        throw Failure("picture is empty, damaged or of an unknown format", path,
+                      "export it again as PNG, JPEG or TIFF, or leave it out of the list");
+    return picture;
+}
+
+/// Depth in metres as stored; 0 where nothing came back.
+cv::Mat1f readDepth(const PhotoSource& source) {
+    const cv::Mat stored = readPicture(source.depthPath, cv::IMREAD_UNCHANGED);
+    if (stored.channels() != 1)
+        throw Failure("depth picture has " + std::to_string(stored.channels()) + " channels", source.depthPath,
+                      "depth is one channel of 16 bit steps or 32 bit metres");
+    cv::Mat1f metres;
+    if (stored.depth() == CV_16U)
+        stored.convertTo(metres, CV_32F, source.depthUnitMetres);
+    else if (stored.depth() == CV_32F)
+        metres = stored;
+    else
+        throw Failure("depth picture has neither 16 bit steps nor 32 bit floats", source.depthPath,
+                      "export depth as 16 bit PNG or 32 bit float TIFF");
+    for (int y = 0; y < metres.rows; ++y)
+        for (float& value : std::span<float>(metres[y], static_cast<std::size_t>(metres.cols)))
+            if (!std::isfinite(value) || value <= 0) value = 0;
+    return metres;
+}
+
+/// Bilinear where the four neighbours are one surface, else the nearest of them.
+float sampleDepth(const cv::Mat1f& depth, double x, double y) {
+    const int x0 = std::clamp(static_cast<int>(std::floor(x - 0.5)), 0, depth.cols - 1);
+    const int y0 = std::clamp(static_cast<int>(std::floor(y - 0.5)), 0, depth.rows - 1);
+    const int x1 = std::min(x0 + 1, depth.cols - 1), y1 = std::min(y0 + 1, depth.rows - 1);
+    const float a = depth(y0, x0), b = depth(y0, x1), c = depth(y1, x0), d = depth(y1, x1);
+    const float nearest = std::min(std::min(a, b), std::min(c, d)), farthest = std::max(std::max(a, b), std::max(c, d));
+    const auto s = static_cast<float>(std::clamp(x - 0.5 - x0, 0.0, 1.0));
+    const auto t = static_cast<float>(std::clamp(y - 0.5 - y0, 0.0, 1.0));
+    if (nearest > 0 && farthest - nearest <= kSilhouetteStep * nearest) {
+        // Disparity, not depth, is affine on a plane.
+        const float top = (1 - s) / a + s / b, bottom = (1 - s) / c + s / d;
+        return 1 / ((1 - t) * top + t * bottom);
+    }
+    return t < 0.5f ? (s < 0.5f ? a : b) : (s < 0.5f ? c : d);
+}
+
+/// Where in the distorted picture each pixel of the pinhole is found; identity for a pinhole.
+struct Undistortion {
+    cv::Mat1f x, y;
+    bool isIdentity = true;
+};
+
+Undistortion findUndistortion(const PhotoSource& source) {
+    Undistortion map;
+    if (source.distortion == Distortion{}) return map;
+    const Camera& camera = source.camera;
+    // OpenCV counts pixel centres at whole numbers.
+    const cv::Matx33d k(camera.fx, 0, camera.cx - 0.5, 0, camera.fy, camera.cy - 0.5, 0, 0, 1);
+    const Distortion& d = source.distortion;
+    const cv::Vec<double, 5> coefficients(d.k1, d.k2, d.p1, d.p2, d.k3);
+    cv::initUndistortRectifyMap(k, coefficients, cv::noArray(), k, {camera.width, camera.height}, CV_32FC1, map.x, map.y);
+    map.isIdentity = false;
+    return map;
+}
+
+} // namespace
+
+DepthImage readPhoto(const PhotoSource& source) {
+    const Camera& camera = source.camera;
+    cv::Mat colour = readPicture(source.colourPath, cv::IMREAD_COLOR);
+    const cv::Mat1f depth = readDepth(source);
+    if (colour.cols != camera.width || colour.rows != camera.height)
+        throw Failure("picture is " + sizeText(colour.cols, colour.rows) + " but its camera is " +
+                          sizeText(camera.width, camera.height),
+                      source.colourPath, "correct the size in the capture's camera");
+    const double scaleX = static_cast<double>(depth.cols) / camera.width;
+    const double scaleY = static_cast<double>(depth.rows) / camera.height;
+    if (std::abs(scaleX / scaleY - 1) > 0.02)
+        throw Failure("depth is " + sizeText(depth.cols, depth.rows) + " but colour is " +
+                          sizeText(camera.width, camera.height) + ", another shape",
+                      source.depthPath, "register depth to the colour picture first");
+
+    const Undistortion lens = findUndistortion(source);
+    if (!lens.isIdentity) {
+        cv::Mat straight;
+        cv::remap(colour, straight, lens.x, lens.y, cv::INTER_LINEAR, cv::BORDER_REPLICATE);
+        colour = straight;
+    }
+
+    DepthImage image;
+    image.name = source.name;
+    image.camera = camera;
+    image.worldFromCamera = source.worldFromCamera;
+    image.colour = Image<Rgb8>(camera.width, camera.height);
+    image.disparity = Image<float>(camera.width, camera.height, 0.0f);
+    image.flags = Image<std::uint8_t>(camera.width, camera.height, 0);
+    for (int y = 0; y < camera.height; ++y) {
+        for (int x = 0; x < camera.width; ++x) {
+            const auto& bgr = colour.at<cv::Vec3b>(y, x);
+            image.colour(x, y) = {bgr[2], bgr[1], bgr[0]};
+            const double atX = lens.isIdentity ? x + 0.5 : static_cast<double>(lens.x(y, x)) + 0.5;
+            const double atY = lens.isIdentity ? y + 0.5 : static_cast<double>(lens.y(y, x)) + 0.5;
+            const bool isSeen = atX >= 0 && atY >= 0 && atX < camera.width && atY < camera.height;
+            const float z = isSeen ? sampleDepth(depth, atX * scaleX, atY * scaleY) : 0;
+            if (z > 0)
+                image.disparity(x, y) = 1 / z;
+            else
+                image.flags(x, y) = kNoSurface;
+        }
+    }
+    return image;
+}
+
+} // namespace scene

@@ -1,0 +1,152 @@
+#include "scene/import/transforms_json.h"
+
+#include "scene/errors.h"
+
+#include <cmath>
+#include <fstream>
+#include <optional>
+
+#include <nlohmann/json.hpp>
+
+namespace scene {
+
+namespace {
+
+using nlohmann::json;
+
+constexpr std::uintmax_t kMaxManifestBytes = std::uintmax_t{1} << 30;
+constexpr double kRotationTolerance = 1e-3; ///< manifests round their matrices
+constexpr int kMaxPictureSide = 65536;
+
+json parseManifest(const std::filesystem::path& manifest) {
+    if (std::filesystem::file_size(manifest) > kMaxManifestBytes)
+        throw Failure("manifest is larger than 1 GiB", manifest, "name the transforms.json of a capture");
+    std::ifstream file(manifest);
+    if (!file) throw Failure("cannot be opened", manifest, "check that it is readable");
+    try {
+        return json::parse(file);
+    } catch (const json::parse_error& e) {
+        throw Failure("is not valid JSON", atByte(manifest, e.byte), "repair it there, or export the capture again");
+    }
+}
+
+/// A number of the frame, else of the whole manifest, else nothing.
+std::optional<double> findNumber(const json& frame, const json& root, const char* key) {
+    for (const json* from : {&frame, &root}) {
+        const auto found = from->find(key);
+        if (found != from->end() && found->is_number()) return found->get<double>();
+    }
+    return std::nullopt;
+}
+
+class FrameReader {
+  public:
+    FrameReader(const std::filesystem::path& manifest, const json& root, const json& frame, std::size_t index)
+        : manifest_(manifest), root_(root), frame_(frame), where_(manifest.string() + ", frame " + std::to_string(index)) {}
+
+    PhotoSource read() {
+        PhotoSource photo;
+        photo.colourPath = pathOf("file_path");
+        photo.depthPath = pathOf("depth_file_path");
+        photo.name = photo.colourPath.stem().string();
+        photo.camera = camera();
+        photo.distortion = distortion();
+        photo.worldFromCamera = pose();
+        photo.depthUnitMetres = findNumber(frame_, root_, "depth_unit_scale_factor").value_or(0.001);
+        if (!(photo.depthUnitMetres > 0) || !std::isfinite(photo.depthUnitMetres))
+            throw Failure("depth_unit_scale_factor is not a positive number", where_, "give metres per depth step, e.g. 0.001");
+        return photo;
+    }
+
+  private:
+    std::filesystem::path pathOf(const char* key) const {
+        const auto found = frame_.find(key);
+        if (found == frame_.end() || !found->is_string())
+            throw Failure(std::string("has no ") + key, where_,
+                          "Revisit needs colour and depth for each frame: export the capture with depth");
+        const std::filesystem::path path(found->get<std::string>());
+        return path.is_absolute() ? path : manifest_.parent_path() / path;
+    }
+
+    double need(const char* key) const {
+        const auto value = findNumber(frame_, root_, key);
+        if (!value) throw Failure(std::string("has no ") + key, where_, "add the camera's intrinsics");
+        return *value;
+    }
+
+    Camera camera() const {
+        Camera camera;
+        const double width = need("w"), height = need("h");
+        if (!(width >= 1 && width <= kMaxPictureSide && height >= 1 && height <= kMaxPictureSide))
+            throw Failure("picture size w x h is not between 1 and 65536", where_, "correct w and h");
+        camera.width = static_cast<int>(width), camera.height = static_cast<int>(height);
+        if (const auto fx = findNumber(frame_, root_, "fl_x")) {
+            camera.fx = *fx;
+        } else {
+            const auto angle = findNumber(frame_, root_, "camera_angle_x");
+            if (!angle) throw Failure("has neither fl_x nor camera_angle_x", where_, "add the camera's intrinsics");
+            camera.fx = width / 2 / std::tan(*angle / 2);
+        }
+        camera.fy = findNumber(frame_, root_, "fl_y").value_or(camera.fx);
+        camera.cx = findNumber(frame_, root_, "cx").value_or(width / 2);
+        camera.cy = findNumber(frame_, root_, "cy").value_or(height / 2);
+        if (!isUsable(camera)) throw Failure("camera intrinsics are not usable numbers", where_, "correct fl_x, fl_y, cx, cy");
+        return camera;
+    }
+
+    Distortion distortion() const {
+        const std::string model = root_.value("camera_model", frame_.value("camera_model", std::string("OPENCV")));
+        if (model != "OPENCV" && model != "PINHOLE" && model != "SIMPLE_PINHOLE")
+            throw Failure("camera model " + model + " is not supported", where_, "undistort the pictures to a pinhole first");
+        const auto number = [&](const char* key) { return findNumber(frame_, root_, key).value_or(0.0); };
+        return {number("k1"), number("k2"), number("p1"), number("p2"), number("k3")};
+    }
+
+    Pose pose() const {
+        const auto found = frame_.find("transform_matrix");
+        glm::dmat4 worldFromGlCamera(0.0);
+        bool isMatrix = found != frame_.end() && found->is_array() && found->size() == 4;
+        for (int row = 0; isMatrix && row < 4; ++row) {
+            const json& values = (*found)[static_cast<std::size_t>(row)];
+            isMatrix = values.is_array() && values.size() == 4;
+            for (int column = 0; isMatrix && column < 4; ++column) {
+                const json& value = values[static_cast<std::size_t>(column)];
+                isMatrix = value.is_number();
+                if (isMatrix) worldFromGlCamera[column][row] = value.get<double>();
+            }
+        }
+        Pose worldFromCamera;
+        if (!isMatrix || !poseFromMatrix(worldFromGlCamera, kRotationTolerance, worldFromCamera))
+            throw Failure("transform_matrix is not a rigid 4x4 pose", where_,
+                          "give a finite rotation and translation without scale, or leave the frame out");
+        // OpenGL axes (y up, z back) -> ours (y down, z forward).
+        worldFromCamera.rotation[1] = -worldFromCamera.rotation[1];
+        worldFromCamera.rotation[2] = -worldFromCamera.rotation[2];
+        return worldFromCamera;
+    }
+
+    const std::filesystem::path& manifest_;
+    const json& root_;
+    const json& frame_;
+    std::string where_;
+};
+
+} // namespace
+
+void listTransformsJson(const std::filesystem::path& manifest, Capture& capture) {
+    const json root = parseManifest(manifest);
+    const auto frames = root.is_object() ? root.find("frames") : root.end();
+    if (!root.is_object() || frames == root.end() || !frames->is_array() || frames->empty())
+        throw Failure("lists no frames", manifest, "name the transforms.json of a capture with at least one frame");
+    try {
+        for (std::size_t i = 0; i < frames->size(); ++i) {
+            if (!(*frames)[i].is_object())
+                throw Failure("is not an object", manifest.string() + ", frame " + std::to_string(i), "repair the manifest");
+            capture.photos.push_back(FrameReader(manifest, root, (*frames)[i], i).read());
+        }
+    } catch (const json::exception& e) {
+        throw Failure(std::string("has a value of the wrong kind (") + e.what() + ")", manifest, "repair the manifest");
+    }
+}
+
+} // namespace scene
