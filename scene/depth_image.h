@@ -26,6 +26,7 @@ enum SampleFlag : std::uint8_t {
     kRedundant = 1 << 4,     ///< another image keeps this piece of surface
     kInterpolated = 1 << 5,  ///< resampled between scanner samples that belong to one surface
     kNoColour = 1 << 6,      ///< the scanner took range only; colour is its intensity in grey, or mid-grey
+    kDirectional = 1 << 7,   ///< another image keeps this piece of surface, this sample is kept for how it looks from here
 };
 
 /// All three images have the camera's size. disparity is 0 where there is no surface or it is infinitely far.

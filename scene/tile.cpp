@@ -13,23 +13,26 @@ constexpr std::uint32_t kNowhere = std::numeric_limits<std::uint32_t>::max();
 
 bool isKept(std::uint8_t flags) { return isSurface(flags) && (flags & kRedundant) == 0; }
 
+Tier tierOf(std::uint8_t flags) { return (flags & kDirectional) != 0 ? Tier::directional : Tier::base; }
+
 /// Collects one tile: kept samples first, then the border its triangles need.
 class TileCutter {
   public:
-    TileCutter(const DepthImage& image, int x0, int y0, int width, int height)
-        : image_(image), x0_(x0), y0_(y0), width_(width), height_(height),
+    TileCutter(const DepthImage& image, Tier tier, int x0, int y0, int width, int height)
+        : image_(image), tier_(tier), x0_(x0), y0_(y0), width_(width), height_(height),
           vertexAt_((width + 1) * (height + 1), kNowhere) {}
 
     void appendTo(TileSet& set) {
         Tile tile;
         tile.x0 = x0_, tile.y0 = y0_;
-        tile.width = static_cast<std::uint16_t>(width_), tile.height = static_cast<std::uint16_t>(height_);
+        tile.width = static_cast<std::uint8_t>(width_), tile.height = static_cast<std::uint8_t>(height_);
+        tile.tier = tier_;
         tile.firstVertex = static_cast<std::uint32_t>(set.vertices.size());
         tile.firstQuad = static_cast<std::uint32_t>(set.quads.size());
 
         for (int y = 0; y < height_; ++y)
             for (int x = 0; x < width_; ++x)
-                if (isKept(flagsAt(x, y))) take(x, y);
+                if (isKept(flagsAt(x, y)) && tierOf(flagsAt(x, y)) == tier_) take(x, y);
         tile.pointCount = static_cast<std::uint32_t>(taken_.size());
 
         for (int y = 0; y < height_; ++y)
@@ -64,7 +67,12 @@ class TileCutter {
     bool isDrawn(int ax, int ay, int bx, int by, int cx, int cy) const {
         if (!isInside(ax, ay) || !isInside(bx, by) || !isInside(cx, cy)) return false;
         const std::uint8_t a = flagsAt(ax, ay), b = flagsAt(bx, by), c = flagsAt(cx, cy);
-        return isSurface(a) && isSurface(b) && isSurface(c) && (isKept(a) || isKept(b) || isKept(c));
+        if (!isSurface(a) || !isSurface(b) || !isSurface(c)) return false;
+        // A triangle between tiers is the base's, so that the base has no cracks of its own.
+        const auto has = [&](Tier tier) {
+            return (isKept(a) && tierOf(a) == tier) || (isKept(b) && tierOf(b) == tier) || (isKept(c) && tierOf(c) == tier);
+        };
+        return tier_ == Tier::base ? has(Tier::base) : has(Tier::directional) && !has(Tier::base);
     }
 
     void appendQuad(int x, int y, TileSet& set) {
@@ -100,6 +108,7 @@ class TileCutter {
     }
 
     const DepthImage& image_;
+    Tier tier_;
     int x0_, y0_, width_, height_;
     std::vector<std::uint32_t> vertexAt_;
     std::vector<Place> taken_;
@@ -112,9 +121,10 @@ TileSet cutIntoTiles(const DepthImage& image, int tileSize) {
     TileSet set;
     for (int y0 = 0; y0 < image.camera.height; y0 += tileSize)
         for (int x0 = 0; x0 < image.camera.width; x0 += tileSize)
-            TileCutter(image, x0, y0, std::min(tileSize, image.camera.width - x0),
-                       std::min(tileSize, image.camera.height - y0))
-                .appendTo(set);
+            for (const Tier tier : {Tier::base, Tier::directional})
+                TileCutter(image, tier, x0, y0, std::min(tileSize, image.camera.width - x0),
+                           std::min(tileSize, image.camera.height - y0))
+                    .appendTo(set);
     return set;
 }
 

@@ -38,6 +38,10 @@ inline constexpr std::uint32_t kDrawUpper = 1u << 15; ///< in top
 inline constexpr std::uint32_t kDrawLower = 1u << 15; ///< in bottom
 inline constexpr std::uint32_t kQuadIndexMask = 0x1fff;
 
+/// Base tiles together hold every piece of surface that was seen. Directional tiles hold surfaces that the base has too, as they
+/// look from another direction: they are drawn only for eyes that look from near it, and leaving them out opens no hole.
+enum class Tier : std::uint8_t { base = 0, directional = 1 };
+
 /// firstVertex and firstQuad count within the image's block. The first pointCount vertices are kept samples; the rest is
 /// border, which only the mesh uses. The extremes are over all vertices.
 struct Tile {
@@ -45,7 +49,9 @@ struct Tile {
     float minDisparity = 0, maxDisparity = 0;
     std::uint32_t firstVertex = 0, pointCount = 0, vertexCount = 0;
     std::uint32_t firstQuad = 0, quadCount = 0;
-    std::uint16_t width = 0, height = 0; ///< in samples; vertices have x <= width, y <= height
+    std::uint8_t width = 0, height = 0; ///< in samples; vertices have x <= width, y <= height
+    Tier tier = Tier::base;
+    std::uint8_t reserved = 0;
     friend bool operator==(const Tile&, const Tile&) = default;
 };
 static_assert(sizeof(Tile) == 40);
@@ -71,8 +77,9 @@ inline TileBlock lend(const TileSet& set, const Camera& camera, const Pose& worl
 }
 
 /// Cuts an image into tiles of tileSize x tileSize samples (1 to kMaxTileSize). A sample is kept if it is a surface and not
-/// redundant; a triangle is drawn if it is no skin, its three samples are surfaces and at least one is kept. Tiles
-/// without kept samples and triangles are left out.
+/// redundant; a triangle is drawn if it is no skin, its three samples are surfaces and at least one is kept, by the tier of its
+/// kept samples (base before directional). A place in the image gives up to two tiles, one of each tier; those without kept
+/// samples and triangles are left out.
 TileSet cutIntoTiles(const DepthImage& image, int tileSize = kDefaultTileSize);
 
 /// Disparity of a vertex of this tile.

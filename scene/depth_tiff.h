@@ -1,0 +1,25 @@
+#pragma once
+// Depth images on disk: a TIFF of three pages that ordinary tools open.
+//
+//   page 1  colour, 8 bit RGB         page 2  disparity, 32 bit float, 1/m       page 3  flags, 8 bit
+//
+// Each page is deflated in strips. The first page's ImageDescription is JSON: {"revisit": "depth image", "version": 1, "name",
+// "width", "height", "fx", "fy", "cx", "cy", "world_from_camera": [16, row-major], "checksum": "xxh3-64 of the three pages"}.
+
+#include "scene/depth_image.h"
+
+#include <filesystem>
+
+namespace scene {
+
+/// Writes under a temporary name beside path and renames: the file is whole or not there. Throws Failure (disk full, ...).
+void writeDepthTiff(const DepthImage& image, const std::filesystem::path& path);
+
+/// Reads what writeDepthTiff wrote; everything is checked before it is used. Throws Failure with path and cause.
+DepthImage readDepthTiff(const std::filesystem::path& path);
+
+/// The flags alone: one page, same rules.
+void writeFlagsTiff(const Image<std::uint8_t>& flags, const std::filesystem::path& path);
+Image<std::uint8_t> readFlagsTiff(const std::filesystem::path& path, const Camera& camera);
+
+} // namespace scene

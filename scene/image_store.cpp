@@ -1,0 +1,76 @@
+#include "scene/image_store.h"
+
+#include "scene/depth_tiff.h"
+
+#include <limits>
+
+namespace scene {
+
+ImageStore::ImageStore(std::vector<StoredImage> images, std::size_t budgetBytes) : budgetBytes_(budgetBytes) {
+    entries_.resize(images.size());
+    for (std::size_t i = 0; i < images.size(); ++i) entries_[i].stored = std::move(images[i]);
+}
+
+ImageStore::ImageStore(std::vector<DepthImage> images) : budgetBytes_(std::numeric_limits<std::size_t>::max()) {
+    entries_.resize(images.size());
+    for (std::size_t i = 0; i < images.size(); ++i) {
+        entries_[i].stored = {images[i].name, images[i].camera, images[i].worldFromCamera, {}, {}};
+        residentBytes_ += bytesOf(images[i].camera);
+        entries_[i].image = std::move(images[i]);
+        entries_[i].state = State::resident;
+    }
+    peakBytes_ = residentBytes_;
+}
+
+ImageStore::Lease ImageStore::borrow(std::size_t index) {
+    std::unique_lock lock(mutex_);
+    Entry& entry = entries_[index];
+    ++entry.borrowers;
+    entry.lastUse = ++clock_;
+    loaded_.wait(lock, [&] { return entry.state != State::loading; });
+    if (entry.state == State::absent) {
+        entry.state = State::loading;
+        const std::size_t bytes = bytesOf(entry.stored.camera);
+        evictFor(bytes);
+        residentBytes_ += bytes;
+        peakBytes_ = std::max(peakBytes_, residentBytes_);
+        lock.unlock();
+        // Others may borrow and give back meanwhile; who wants this image waits for it.
+        try {
+            DepthImage image = readDepthTiff(entry.stored.file);
+            if (!entry.stored.flagsFile.empty()) image.flags = readFlagsTiff(entry.stored.flagsFile, image.camera);
+            lock.lock();
+            entry.image = std::move(image);
+            entry.state = State::resident;
+        } catch (...) {
+            if (!lock.owns_lock()) lock.lock();
+            entry.state = State::absent;
+            residentBytes_ -= bytes;
+            --entry.borrowers;
+            loaded_.notify_all();
+            throw;
+        }
+        loaded_.notify_all();
+    }
+    return {this, index, &entry.image};
+}
+
+void ImageStore::giveBack(std::size_t index) {
+    const std::lock_guard lock(mutex_);
+    --entries_[index].borrowers;
+}
+
+void ImageStore::evictFor(std::size_t bytes) {
+    while (residentBytes_ + bytes > budgetBytes_) {
+        Entry* oldest = nullptr;
+        for (Entry& entry : entries_)
+            if (entry.state == State::resident && entry.borrowers == 0 && (!oldest || entry.lastUse < oldest->lastUse))
+                oldest = &entry;
+        if (!oldest) return;
+        residentBytes_ -= bytesOf(oldest->stored.camera);
+        oldest->image = {};
+        oldest->state = State::absent;
+    }
+}
+
+} // namespace scene

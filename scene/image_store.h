@@ -1,0 +1,77 @@
+#pragma once
+// The depth images of a build, lent one at a time: read from their files when asked for, kept as long as memory allows.
+
+#include "scene/depth_image.h"
+
+#include <condition_variable>
+#include <filesystem>
+#include <mutex>
+#include <utility>
+#include <vector>
+
+namespace scene {
+
+/// Where an image lies, and what can be known without its pixels. A flags file, if named, replaces the flags of the image.
+struct StoredImage {
+    std::string name;
+    Camera camera;
+    Pose worldFromCamera;
+    std::filesystem::path file, flagsFile;
+};
+
+/// Reads depth image files on demand from any thread. Images that nobody holds are dropped, least recently used first, when
+/// the budget is full; what is held is never dropped, even beyond the budget.
+class ImageStore {
+  public:
+    ImageStore(std::vector<StoredImage> images, std::size_t budgetBytes);
+    /// A store whose images are simply given (tests, small scenes).
+    explicit ImageStore(std::vector<DepthImage> images);
+
+    class Lease;
+    std::size_t size() const { return entries_.size(); }
+    const StoredImage& at(std::size_t index) const { return entries_[index].stored; }
+    Lease borrow(std::size_t index);
+    /// Bytes of pixels held at the moment, and the most there ever were.
+    std::size_t residentBytes() const { return residentBytes_; }
+    std::size_t peakBytes() const { return peakBytes_; }
+
+  private:
+    enum class State { absent, loading, resident };
+    struct Entry {
+        StoredImage stored;
+        DepthImage image;
+        State state = State::absent;
+        int borrowers = 0;
+        std::uint64_t lastUse = 0;
+    };
+    void giveBack(std::size_t index);
+    void evictFor(std::size_t bytes);
+
+    std::vector<Entry> entries_;
+    std::size_t budgetBytes_, residentBytes_ = 0, peakBytes_ = 0;
+    std::uint64_t clock_ = 0;
+    std::mutex mutex_;
+    std::condition_variable loaded_;
+};
+
+/// The right to read one image of the store while this lives.
+class ImageStore::Lease {
+  public:
+    Lease(Lease&& other) noexcept : store_(std::exchange(other.store_, nullptr)), index_(other.index_), image_(other.image_) {}
+    Lease(const Lease&) = delete;
+    Lease& operator=(Lease&&) = delete;
+    ~Lease() {
+        if (store_) store_->giveBack(index_);
+    }
+    const DepthImage& operator*() const { return *image_; }
+    const DepthImage* operator->() const { return image_; }
+
+  private:
+    friend class ImageStore;
+    Lease(ImageStore* store, std::size_t index, const DepthImage* image) : store_(store), index_(index), image_(image) {}
+    ImageStore* store_;
+    std::size_t index_;
+    const DepthImage* image_;
+};
+
+} // namespace scene

@@ -1,0 +1,112 @@
+#include "scene/refine/fusion.h"
+
+#include "scene/density.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <glm/geometric.hpp>
+
+#include <tbb/parallel_for.h>
+
+namespace scene {
+
+namespace {
+
+/// Sums of one sample.
+struct Mean {
+    glm::vec3 colour{0};
+    float colourWeight = 0, disparity = 0, disparityWeight = 0;
+};
+
+bool isNeeded(const Image<Keep>& kept, int x, int y) {
+    for (int j = std::max(y - 1, 0); j <= std::min(y + 1, kept.height() - 1); ++j)
+        for (int i = std::max(x - 1, 0); i <= std::min(x + 1, kept.width() - 1); ++i)
+            if (kept(i, j) != Keep::no) return true;
+    return false;
+}
+
+/// The disparity at which this sample's ray meets the partner's surface, taken to stand upright at that disparity: with
+/// h = origin + d columnD and partner disparity p = d / h.z, d = p origin.z / (1 - p columnD.z).
+float disparityOnPartner(const Reprojection& into, float x, float y, float partnerDisparity) {
+    const float start = into.origin.z + x * into.columnX.z + y * into.columnY.z;
+    return partnerDisparity * start / (1 - partnerDisparity * into.columnD.z);
+}
+
+glm::vec3 colourOf(const DepthImage& image, int x, int y) {
+    const Rgb8 c = image.colour(x, y);
+    return {c.r, c.g, c.b};
+}
+
+std::uint8_t toByte(float value) { return static_cast<std::uint8_t>(std::clamp(value + 0.5f, 0.f, 255.f)); }
+
+} // namespace
+
+DepthImage fuse(ImageStore& images, std::size_t index, const std::vector<Partner>& partners, const Image<Keep>& kept,
+                const FusionOptions& options) {
+    DepthImage fused = *images.borrow(index);
+    const DepthImage& image = fused; // read while sums gather elsewhere
+    const Camera& camera = image.camera;
+    Image<Mean> means(camera.width, camera.height);
+    const float perAngle = 1 / (options.angleRadians * options.angleRadians);
+    const float perColour = 1 / (options.colourStep * options.colourStep);
+
+    const auto forNeeded = [&](const auto& visit) {
+        tbb::parallel_for(0, camera.height, [&](int y) {
+            for (int x = 0; x < camera.width; ++x)
+                if (isSurface(image.flags(x, y)) && isNeeded(kept, x, y)) visit(x, y);
+        });
+    };
+    // Weights are relative to the sample's own, which is 1.
+    forNeeded([&](int x, int y) { means(x, y) = {colourOf(image, x, y), 1, image.disparity(x, y), 1}; });
+
+    const std::size_t asked = std::min(partners.size(), static_cast<std::size_t>(options.maxPartners));
+    for (std::size_t i = 0; i < asked; ++i) {
+        const ImageStore::Lease lease = images.borrow(partners[i].image);
+        const DepthImage& partner = *lease;
+        const Reprojection into = reprojectionInto(partner, image);
+        const glm::vec3 partnerInCamera((inverse(image.worldFromCamera) * partner.worldFromCamera).translation);
+        forNeeded([&](int x, int y) {
+            const float px = static_cast<float>(x) + 0.5f, py = static_cast<float>(y) + 0.5f, d = image.disparity(x, y);
+            const Sighting at = sightingOf(into, px, py, d);
+            const Comparison comparison = compareWith(partner, at, options.comparison);
+            if (comparison.relation != Relation::agrees || !comparison.isSmooth) return;
+
+            const glm::vec3 point = glm::vec3(rayThrough(camera, px, py)) / d;
+            const glm::vec3 fromPartner = point - partnerInCamera;
+            const float cosine = glm::dot(glm::normalize(point), glm::normalize(fromPartner));
+            const float angleSquared = 2 * (1 - std::min(cosine, 1.f));
+            // Samples taken from nearer are sharper and their range is surer.
+            const float nearness = std::min(1.f, glm::dot(point, point) / glm::dot(fromPartner, fromPartner));
+            const float confidence = nearness * std::exp(-angleSquared * perAngle);
+
+            Mean& mean = means(x, y);
+            mean.disparity += nearness * disparityOnPartner(into, px, py, comparison.disparity);
+            mean.disparityWeight += nearness;
+            const glm::vec3 colour = colourAt(partner, at.u, at.v);
+            const glm::vec3 change = colour - colourOf(image, x, y);
+            const float weight = confidence * std::exp(-glm::dot(change, change) * perColour);
+            mean.colour += weight * colour;
+            mean.colourWeight += weight;
+        });
+    }
+
+    Image<Rgb8> colour = fused.colour;
+    Image<float> disparity = fused.disparity;
+    forNeeded([&](int x, int y) {
+        const Mean& mean = means(x, y);
+        const glm::vec3 c = mean.colour / mean.colourWeight;
+        colour(x, y) = {toByte(c.x), toByte(c.y), toByte(c.z)};
+        disparity(x, y) = mean.disparity / mean.disparityWeight;
+    });
+    fused.colour = std::move(colour);
+    fused.disparity = std::move(disparity);
+    for (int y = 0; y < camera.height; ++y)
+        for (int x = 0; x < camera.width; ++x)
+            if (kept(x, y) != Keep::base)
+                fused.flags(x, y) = static_cast<std::uint8_t>(fused.flags(x, y) |
+                                                              (kept(x, y) == Keep::no ? kRedundant : kDirectional));
+    return fused;
+}
+
+} // namespace scene

@@ -1,0 +1,24 @@
+#pragma once
+// Fusion: the sample that is kept takes the confidence-weighted mean of all images that agree with it, in colour and disparity.
+// Beyond the papers: dropping the others then costs nothing, and noise falls.
+
+#include "scene/image_store.h"
+#include "scene/refine/pairs.h"
+#include "scene/refine/redundancy.h"
+#include "scene/reprojection.h"
+
+namespace scene {
+
+struct FusionOptions {
+    int maxPartners = 64;       ///< images that may contribute
+    float angleRadians = 0.35f; ///< rays that differ so much count 1/e: appearance depends on direction
+    float colourStep = 30.f;    ///< colours (0 to 255) that differ so much count 1/e: they show something else
+    ComparisonOptions comparison;
+};
+
+/// The image with fused colour and disparity, for every sample that drawing needs: kept ones and those that share a mesh square
+/// with one. The flags of the result say what is kept: kRedundant, kDirectional or neither.
+DepthImage fuse(ImageStore& images, std::size_t index, const std::vector<Partner>& partners, const Image<Keep>& kept,
+                const FusionOptions& options);
+
+} // namespace scene

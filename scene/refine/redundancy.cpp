@@ -1,0 +1,196 @@
+#include "scene/refine/redundancy.h"
+
+#include "scene/density.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <numeric>
+#include <span>
+
+#include <glm/geometric.hpp>
+
+#include <tbb/parallel_for.h>
+
+namespace scene {
+
+namespace {
+
+struct RankedTile {
+    std::uint32_t image = 0;
+    int x0 = 0, y0 = 0;
+    float quality = 0; ///< samples per metre of surface, mean over the tile
+};
+
+std::vector<RankedTile> rateTiles(const DepthImage& image, std::uint32_t index, int tileSize) {
+    const Image<float> density = computeDensity(image);
+    std::vector<RankedTile> tiles;
+    for (int y0 = 0; y0 < image.camera.height; y0 += tileSize)
+        for (int x0 = 0; x0 < image.camera.width; x0 += tileSize) {
+            double sum = 0;
+            int samples = 0, doubtful = 0;
+            for (int y = y0; y < std::min(y0 + tileSize, image.camera.height); ++y)
+                for (int x = x0; x < std::min(x0 + tileSize, image.camera.width); ++x) {
+                    const std::uint8_t flags = image.flags(x, y);
+                    if (!isSurface(flags)) continue;
+                    ++samples;
+                    doubtful += (flags & (kSkinUpper | kSkinLower | kInterpolated | kNoColour)) != 0;
+                    sum += std::sqrt(static_cast<double>(density(x, y)));
+                }
+            if (samples == 0) continue;
+            const double trust = 1.0 - 0.5 * doubtful / samples;
+            tiles.push_back({index, x0, y0, static_cast<float>(sum / samples * trust)});
+        }
+    return tiles;
+}
+
+/// Images in the order in which they are preferred where tiles are of like quality: those that share most with others first, so
+/// that few images keep most of the scene in large pieces.
+std::vector<std::uint32_t> rankImages(const std::vector<std::vector<Partner>>& partners) {
+    std::vector<float> shared(partners.size(), 0.f);
+    for (std::size_t i = 0; i < partners.size(); ++i)
+        for (const Partner& partner : partners[i]) shared[i] += partner.share;
+    std::vector<std::uint32_t> order(partners.size());
+    std::iota(order.begin(), order.end(), 0u);
+    std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) { return shared[a] > shared[b]; });
+    std::vector<std::uint32_t> rankOf(partners.size());
+    for (std::uint32_t rank = 0; rank < order.size(); ++rank) rankOf[order[rank]] = rank;
+    return rankOf;
+}
+
+/// Samples of a partner that are kept already, and the way there.
+struct KeptPartner {
+    const Image<Keep>* kept;
+    const DepthImage* image;
+    Reprojection into;
+    glm::vec3 partnerInCamera;
+};
+
+/// A sample in its own camera: place in the image, disparity, and the point.
+struct Candidate {
+    float x, y, disparity;
+    glm::vec3 point;
+};
+
+/// Whether the partner keeps this piece of surface, as seen from within the angle whose cosine is given.
+bool isCovered(const KeptPartner& partner, const Candidate& sample, float minCosine, const ComparisonOptions& options) {
+    const Sighting at = sightingOf(partner.into, sample.x, sample.y, sample.disparity);
+    const Camera& camera = partner.image->camera;
+    if (!(at.w > 0) || !(at.u >= 0) || !(at.v >= 0) || !(at.u < static_cast<float>(camera.width)) ||
+        !(at.v < static_cast<float>(camera.height)))
+        return false;
+    if ((*partner.kept)(static_cast<int>(at.u), static_cast<int>(at.v)) == Keep::no) return false;
+    if (minCosine > -1) {
+        const glm::vec3 fromPartner = sample.point - partner.partnerInCamera;
+        const float cosine = glm::dot(sample.point, fromPartner) / (glm::length(sample.point) * glm::length(fromPartner));
+        if (!(cosine >= minCosine)) return false;
+    }
+    return compareWith(*partner.image, at, options).relation == Relation::agrees;
+}
+
+/// Gives each sample of an image that nobody before it covers to the tier; ranked[first, last) are its tiles.
+class Keeper {
+  public:
+    Keeper(ImageStore& images, const std::vector<std::vector<Partner>>& partners, const RedundancyOptions& options)
+        : images_(images), partners_(partners), options_(options), hasKept_(images.size(), 0) {
+        for (std::size_t i = 0; i < images.size(); ++i)
+            kept.emplace_back(images.at(i).camera.width, images.at(i).camera.height, Keep::no);
+    }
+
+    std::int64_t keep(std::span<const RankedTile> tiles, Keep tier, float minCosine) {
+        const std::uint32_t self = tiles.front().image;
+        const ImageStore::Lease image = images_.borrow(self);
+        std::vector<ImageStore::Lease> leases;
+        std::vector<KeptPartner> before;
+        for (const Partner& partner : partners_[self]) {
+            if (!hasKept_[partner.image]) continue;
+            leases.push_back(images_.borrow(partner.image));
+            const DepthImage& other = *leases.back();
+            before.push_back({&kept[partner.image], &other, reprojectionInto(other, *image),
+                              glm::vec3((inverse(image->worldFromCamera) * other.worldFromCamera).translation)});
+        }
+        std::atomic<std::int64_t> count = 0;
+        tbb::parallel_for(std::size_t{0}, tiles.size(), [&](std::size_t t) { count += keepTile(tiles[t], *image, before, tier, minCosine); });
+        hasKept_[self] = 1;
+        return count;
+    }
+
+    std::vector<Image<Keep>> kept;
+
+  private:
+    std::int64_t keepTile(const RankedTile& tile, const DepthImage& image, const std::vector<KeptPartner>& before, Keep tier,
+                          float minCosine) {
+        std::int64_t count = 0;
+        std::size_t likely = 0; // the partner that covered the last sample most likely covers the next
+        for (int y = tile.y0; y < std::min(tile.y0 + options_.tileSize, image.camera.height); ++y)
+            for (int x = tile.x0; x < std::min(tile.x0 + options_.tileSize, image.camera.width); ++x) {
+                Keep& mine = kept[tile.image](x, y);
+                if (!isSurface(image.flags(x, y)) || mine != Keep::no) continue;
+                Candidate sample{static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f, image.disparity(x, y), {}};
+                sample.point = glm::vec3(rayThrough(image.camera, x + 0.5, y + 0.5)) / sample.disparity;
+                const auto covers = [&](std::size_t p) { return isCovered(before[p], sample, minCosine, options_.comparison); };
+                bool covered = likely < before.size() && covers(likely);
+                for (std::size_t p = 0; p < before.size() && !covered; ++p)
+                    if (covers(p)) covered = true, likely = p;
+                if (covered) continue;
+                mine = tier;
+                ++count;
+            }
+        return count;
+    }
+
+    ImageStore& images_;
+    const std::vector<std::vector<Partner>>& partners_;
+    const RedundancyOptions& options_;
+    std::vector<std::uint8_t> hasKept_;
+};
+
+/// Calls visit with each run of tiles for which sameRun holds: tiles of one image do not judge each other, so a run of them is
+/// examined at the same time.
+template <class SameRun, class Visit>
+void forRuns(const std::vector<RankedTile>& tiles, SameRun sameRun, Visit visit) {
+    for (std::size_t first = 0, last = 0; first < tiles.size(); first = last) {
+        for (last = first + 1; last < tiles.size() && sameRun(tiles[first], tiles[last]);) ++last;
+        visit(std::span(tiles).subspan(first, last - first));
+    }
+}
+
+} // namespace
+
+std::vector<Image<Keep>> findKept(ImageStore& images, const std::vector<std::vector<Partner>>& partners,
+                                  const RedundancyOptions& options, RedundancyFigures& figures) {
+    std::vector<std::vector<RankedTile>> tilesOf(images.size());
+    tbb::parallel_for(std::size_t{0}, images.size(), [&](std::size_t i) {
+        tilesOf[i] = rateTiles(*images.borrow(i), static_cast<std::uint32_t>(i), options.tileSize);
+    });
+    std::vector<RankedTile> ranked;
+    for (const auto& tiles : tilesOf) ranked.insert(ranked.end(), tiles.begin(), tiles.end());
+
+    const std::vector<std::uint32_t> imageRank = rankImages(partners);
+    const double step = std::log(std::max(static_cast<double>(options.preference), 1.001));
+    const auto classOf = [&](const RankedTile& tile) { return static_cast<int>(std::floor(std::log(tile.quality) / step)); };
+    std::stable_sort(ranked.begin(), ranked.end(), [&](const RankedTile& a, const RankedTile& b) {
+        const int classA = classOf(a), classB = classOf(b);
+        return classA != classB ? classA > classB : imageRank[a.image] < imageRank[b.image];
+    });
+
+    figures = {};
+    Keeper keeper(images, partners, options);
+    forRuns(ranked, [&](const RankedTile& a, const RankedTile& b) { return a.image == b.image && classOf(a) == classOf(b); },
+            [&](std::span<const RankedTile> run) { figures.base += keeper.keep(run, Keep::base, -1); });
+    if (options.directionRadians > 0) {
+        std::stable_sort(ranked.begin(), ranked.end(), [&](const RankedTile& a, const RankedTile& b) {
+            return imageRank[a.image] < imageRank[b.image];
+        });
+        const float minCosine = std::cos(options.directionRadians);
+        forRuns(ranked, [](const RankedTile& a, const RankedTile& b) { return a.image == b.image; },
+                [&](std::span<const RankedTile> run) { figures.directional += keeper.keep(run, Keep::directional, minCosine); });
+    }
+    for (std::size_t i = 0; i < images.size(); ++i) {
+        const ImageStore::Lease image = images.borrow(i);
+        figures.samples += std::count_if(image->flags.pixels().begin(), image->flags.pixels().end(), isSurface);
+    }
+    return std::move(keeper.kept);
+}
+
+} // namespace scene

@@ -1,0 +1,134 @@
+#include "scene/refine/skins.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <tbb/parallel_for.h>
+
+namespace scene {
+
+namespace {
+
+/// Disparity along a line of samples through (x, y); 0 outside the image and where there is no surface.
+float surfaceDisparity(const DepthImage& image, int x, int y) {
+    if (x < 0 || y < 0 || x >= image.camera.width || y >= image.camera.height) return 0;
+    return isSurface(image.flags(x, y)) ? image.disparity(x, y) : 0;
+}
+
+/// Whether disparity jumps between (x, y) and (x + dx, y + dy): more than planarity, and more than the slopes to both sides
+/// explain. On a plane the second difference is 0; at a crease it is 0 on one side.
+bool jumps(const DepthImage& image, int x, int y, int dx, int dy, float planarity) {
+    const float a = surfaceDisparity(image, x, y), b = surfaceDisparity(image, x + dx, y + dy);
+    const float before = surfaceDisparity(image, x - dx, y - dy), after = surfaceDisparity(image, x + 2 * dx, y + 2 * dy);
+    const float step = b - a, limit = planarity * std::max(a, b);
+    const float slopeBefore = before > 0 ? a - before : 0, slopeAfter = after > 0 ? after - b : 0;
+    return std::abs(step - slopeBefore) > limit && std::abs(step - slopeAfter) > limit;
+}
+
+/// The three corners of a triangle of the square at (x, y), as offsets.
+using Corners = std::array<std::array<int, 2>, 3>;
+constexpr Corners kUpperCorners{{{0, 0}, {1, 0}, {0, 1}}};
+constexpr Corners kLowerCorners{{{1, 0}, {1, 1}, {0, 1}}};
+
+bool hasTriangle(const DepthImage& image, int x, int y, const Corners& corners) {
+    return std::all_of(corners.begin(), corners.end(),
+                       [&](const auto& c) { return surfaceDisparity(image, x + c[0], y + c[1]) > 0; });
+}
+
+/// Calls visit(x, y, bit, corners) for each triangle between surfaces.
+template <class Visit>
+void forTrianglesOfRow(const DepthImage& image, int y, Visit visit) {
+    for (int x = 0; x + 1 < image.camera.width; ++x) {
+        if (hasTriangle(image, x, y, kUpperCorners)) visit(x, kSkinUpper, kUpperCorners);
+        if (hasTriangle(image, x, y, kLowerCorners)) visit(x, kSkinLower, kLowerCorners);
+    }
+}
+
+/// Whether the partner saw farther than the triangle at its middle or the middle of an edge. Disparity is affine over the
+/// triangle, so a mean of corners is a point of it.
+bool sawThrough(const DepthImage& partner, const Reprojection& into, const DepthImage& image, int x, int y,
+                const Corners& corners, const ComparisonOptions& options) {
+    std::array<glm::vec3, 3> p;
+    for (std::size_t i = 0; i < 3; ++i) {
+        const int cx = x + corners[i][0], cy = y + corners[i][1];
+        p[i] = {static_cast<float>(cx) + 0.5f, static_cast<float>(cy) + 0.5f, image.disparity(cx, cy)};
+    }
+    const std::array<glm::vec3, 4> probes{(p[0] + p[1] + p[2]) / 3.f, (p[0] + p[1]) / 2.f, (p[1] + p[2]) / 2.f,
+                                          (p[2] + p[0]) / 2.f};
+    return std::any_of(probes.begin(), probes.end(), [&](const glm::vec3& probe) {
+        return compareWith(partner, sightingOf(into, probe.x, probe.y, probe.z), options).relation == Relation::inFront;
+    });
+}
+
+} // namespace
+
+Image<std::uint8_t> markPlanarSkins(const DepthImage& image, float planarity, SkinFigures& figures) {
+    Image<std::uint8_t> flags = image.flags;
+    for (int y = 0; y < image.camera.height; ++y) {
+        figures.samples += std::count_if(image.flags.row(y).begin(), image.flags.row(y).end(), isSurface);
+        if (y + 1 == image.camera.height) break;
+        forTrianglesOfRow(image, y, [&](int x, SampleFlag skin, const Corners&) {
+            ++figures.triangles;
+            const bool diagonal = jumps(image, x + 1, y, -1, 1, planarity);
+            const bool cut = skin == kSkinUpper
+                                 ? diagonal || jumps(image, x, y, 1, 0, planarity) || jumps(image, x, y, 0, 1, planarity)
+                                 : diagonal || jumps(image, x, y + 1, 1, 0, planarity) || jumps(image, x + 1, y, 0, 1, planarity);
+            if (!cut) return;
+            flags(x, y) = static_cast<std::uint8_t>(flags(x, y) | skin);
+            ++figures.planarSkins;
+        });
+    }
+    return flags;
+}
+
+Image<std::uint8_t> markSkins(ImageStore& images, std::size_t index, const std::vector<Partner>& partners,
+                              const SkinOptions& options, SkinFigures& figures) {
+    const ImageStore::Lease lease = images.borrow(index);
+    const DepthImage& image = *lease;
+    Image<std::uint8_t> flags = markPlanarSkins(image, options.planarity, figures);
+    Image<std::uint8_t> agreed(image.camera.width, image.camera.height, 0), seenThrough = agreed;
+
+    const std::size_t asked = std::min(partners.size(), static_cast<std::size_t>(options.maxPartners));
+    for (std::size_t i = 0; i < asked; ++i) {
+        const ImageStore::Lease partnerLease = images.borrow(partners[i].image);
+        const DepthImage& partner = *partnerLease;
+        const Reprojection into = reprojectionInto(partner, image);
+        tbb::parallel_for(0, image.camera.height, [&](int y) {
+            for (int x = 0; x < image.camera.width; ++x) {
+                const float d = surfaceDisparity(image, x, y);
+                if (d <= 0) continue;
+                const Sighting at = sightingOf(into, static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f, d);
+                const Relation relation = compareWith(partner, at, options.comparison).relation;
+                if (relation == Relation::agrees) ++agreed(x, y);
+                if (relation == Relation::inFront) ++seenThrough(x, y);
+            }
+            if (y + 1 == image.camera.height) return;
+            // Only a triangle that is deeper than the noise between images can be told from a surface.
+            forTrianglesOfRow(image, y, [&](int x, SampleFlag skin, const Corners& corners) {
+                if (flags(x, y) & skin) return;
+                float lowest = image.disparity(x + corners[0][0], y + corners[0][1]), highest = lowest;
+                for (const auto& c : corners) {
+                    lowest = std::min(lowest, image.disparity(x + c[0], y + c[1]));
+                    highest = std::max(highest, image.disparity(x + c[0], y + c[1]));
+                }
+                if (highest - lowest <= options.comparison.sameSurface * highest) return;
+                if (sawThrough(partner, into, image, x, y, corners, options.comparison))
+                    flags(x, y) = static_cast<std::uint8_t>(flags(x, y) | skin);
+            });
+        });
+    }
+
+    std::int64_t cut = 0;
+    for (int y = 0; y < image.camera.height; ++y)
+        for (int x = 0; x < image.camera.width; ++x) {
+            cut += ((flags(x, y) & kSkinUpper) != 0) + ((flags(x, y) & kSkinLower) != 0);
+            if (seenThrough(x, y) <= agreed(x, y)) continue;
+            flags(x, y) = static_cast<std::uint8_t>(flags(x, y) | kFloating);
+            ++figures.floating;
+        }
+    figures.seenThrough = cut - figures.planarSkins;
+    return flags;
+}
+
+} // namespace scene

@@ -1,0 +1,92 @@
+#include "scene/reprojection.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace scene {
+
+Reprojection reprojectionInto(const Camera& targetCamera, const Pose& worldFromTarget, const Camera& sourceCamera,
+                              const Pose& worldFromSource) {
+    const glm::dmat4 c = eyeImageFromSourceImage({targetCamera, worldFromTarget}, sourceCamera, worldFromSource);
+    const auto column = [&](int i) { return glm::vec3(glm::dvec3(c[i])); };
+    return {column(2), column(0), column(1), column(3)};
+}
+
+namespace {
+
+/// The up to four samples about a position, and how much disparity changes between them.
+struct Corners {
+    int x0, y0, x1, y1;
+    float s, t;
+};
+
+Corners cornersAbout(const Camera& camera, float u, float v) {
+    const float left = std::floor(u - 0.5f), top = std::floor(v - 0.5f);
+    const int x = static_cast<int>(left), y = static_cast<int>(top);
+    return {std::clamp(x, 0, camera.width - 1), std::clamp(y, 0, camera.height - 1), std::clamp(x + 1, 0, camera.width - 1),
+            std::clamp(y + 1, 0, camera.height - 1), u - 0.5f - left, v - 0.5f - top};
+}
+
+/// Greatest disparity (the nearest surface) among the 3x3 samples about a pixel; 0 if none has one.
+float nearestAbout(const DepthImage& image, int x, int y) {
+    float nearest = 0;
+    for (int j = std::max(y - 1, 0); j <= std::min(y + 1, image.camera.height - 1); ++j)
+        for (int i = std::max(x - 1, 0); i <= std::min(x + 1, image.camera.width - 1); ++i)
+            if (isSurface(image.flags(i, j))) nearest = std::max(nearest, image.disparity(i, j));
+    return nearest;
+}
+
+} // namespace
+
+Comparison compareWith(const DepthImage& target, const Sighting& sighting, const ComparisonOptions& options) {
+    Comparison result;
+    const Camera& camera = target.camera;
+    if (!(sighting.w > 0) || !(sighting.u >= 0) || !(sighting.v >= 0) || !(sighting.u < static_cast<float>(camera.width)) ||
+        !(sighting.v < static_cast<float>(camera.height)))
+        return result;
+
+    const Corners at = cornersAbout(camera, sighting.u, sighting.v);
+    const bool allSurface = isSurface(target.flags(at.x0, at.y0)) && isSurface(target.flags(at.x1, at.y0)) &&
+                            isSurface(target.flags(at.x0, at.y1)) && isSurface(target.flags(at.x1, at.y1));
+    const float d00 = target.disparity(at.x0, at.y0), d10 = target.disparity(at.x1, at.y0);
+    const float d01 = target.disparity(at.x0, at.y1), d11 = target.disparity(at.x1, at.y1);
+    const float lowest = std::min(std::min(d00, d10), std::min(d01, d11));
+    const float highest = std::max(std::max(d00, d10), std::max(d01, d11));
+    const float slope = highest - lowest;
+    // Bilinear only within a surface. A surface may be steep, but a step of several times the tolerance is a silhouette.
+    result.isSmooth = allSurface && slope <= 4 * options.sameSurface * highest;
+    float tolerance = options.sameSurface * sighting.disparity;
+    if (result.isSmooth) {
+        const float top = d00 + at.s * (d10 - d00), bottom = d01 + at.s * (d11 - d01);
+        result.disparity = top + at.t * (bottom - top);
+        tolerance += options.pixelError * slope;
+    } else {
+        const int x = static_cast<int>(sighting.u), y = static_cast<int>(sighting.v);
+        if (!isSurface(target.flags(x, y))) return result;
+        result.disparity = target.disparity(x, y);
+    }
+
+    const float difference = sighting.disparity - result.disparity;
+    if (std::abs(difference) <= tolerance) {
+        result.relation = Relation::agrees;
+    } else if (difference < 0) {
+        result.relation = Relation::behind;
+    } else {
+        const float nearest = nearestAbout(target, static_cast<int>(sighting.u), static_cast<int>(sighting.v));
+        result.relation = sighting.disparity - nearest > tolerance ? Relation::inFront : Relation::outside;
+    }
+    return result;
+}
+
+glm::vec3 colourAt(const DepthImage& target, float u, float v) {
+    const Corners at = cornersAbout(target.camera, u, v);
+    const auto colour = [&](int x, int y) {
+        const Rgb8 c = target.colour(x, y);
+        return glm::vec3(c.r, c.g, c.b);
+    };
+    const glm::vec3 top = colour(at.x0, at.y0) * (1 - at.s) + colour(at.x1, at.y0) * at.s;
+    const glm::vec3 bottom = colour(at.x0, at.y1) * (1 - at.s) + colour(at.x1, at.y1) * at.s;
+    return top * (1 - at.t) + bottom * at.t;
+}
+
+} // namespace scene
