@@ -13,7 +13,7 @@ namespace scene {
 namespace {
 
 constexpr double kHalfLength = 2.15, kHalfWidth = 0.88, kAxle = 1.36, kWheelRadius = 0.32; // metres
-constexpr int kStations = 108, kAround = 72, kEndRings = 6;
+constexpr int kStations = 96, kAround = 64, kEndRings = 6;
 
 /// Piecewise smooth between (x, value) pairs, flat at each.
 double profile(double x, const std::array<glm::dvec2, 13>& points) {
@@ -62,6 +62,7 @@ glm::dvec2 sectionAt(double x, double t) {
 }
 
 /// The undamaged surface: s along the car from the rear to the front, t around it from the right sill to the left one.
+/// The body's sheet runs around from left to right, so that it faces outwards.
 glm::dvec3 shellAt(double s, double t) {
     const double station = s * (kStations + 2 * kEndRings) - kEndRings;
     const double x = glm::mix(-kHalfLength, kHalfLength, std::clamp(station / kStations, 0.0, 1.0));
@@ -115,8 +116,8 @@ void addCar(SyntheticModel& model, const Pose& worldFromCar, const CarShape& sha
     const int body = addMaterial(model, {Pattern::carBody, shape.paint, {}, 1.0, shape.seed});
     addSheet(
         model, kAround, kStations + 2 * kEndRings,
-        [&](double s, double t) { return worldFromCar * damaged(shape, welled(shellAt(t, s))); },
-        [&](double s, double t) { return shellAt(t, s); }, body);
+        [&](double s, double t) { return worldFromCar * damaged(shape, welled(shellAt(t, 1.0 - s))); },
+        [&](double s, double t) { return shellAt(t, 1.0 - s); }, body);
 
     const int dark = addMaterial(model, {Pattern::plain, glm::dvec3(0.012)});
     addBox(model, worldFromCar, {-1.95, -0.60, 0.18}, {shape.frontCrush > 0 ? 1.35 : 1.95, 0.60, 0.40}, dark);

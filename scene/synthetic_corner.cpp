@@ -122,7 +122,9 @@ class StreetCorner {
         const int columns = std::max(1, static_cast<int>((width - 1.0) / 2.6));
         const double pitch = width / columns, storey = 3.1;
         std::vector<Rectangle> holes;
-        for (int floor = 0; floor < house.floors; ++floor)
+        const glm::dvec3 middleOfWall = (from + to) / 2.0;
+        const bool isSeen = glm::dot(out, middleOfWall) < 0; // windows only where the crossing looks
+        for (int floor = 0; isSeen && floor < house.floors; ++floor)
             for (int column = 0; column < columns; ++column) {
                 const double middle = pitch * (column + 0.5), half = floor == 0 ? 0.62 : 0.55;
                 const double low = floor * storey + (floor == 0 ? 0.95 : 0.98), high = floor * storey + 2.55;

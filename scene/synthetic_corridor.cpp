@@ -19,7 +19,7 @@ class Corridor {
     explicit Corridor(std::uint32_t seed) : random_(seed) {
         model_.name = "corridor";
         model_.lightSpacing = 0.13;
-        model_.exposure = 1.25;
+        model_.exposure = 2.2;
         model_.sky.towardsSun = glm::normalize(glm::dvec3(0.86, -0.30, 0.36));
         model_.sky.sun = glm::dvec3(4.2, 3.8, 3.1);
         model_.sky.zenith = glm::dvec3(0.5, 0.9, 1.6);
@@ -78,7 +78,7 @@ class Corridor {
         const double middle = x + 1.8;
         addBox(model_, world, {middle - 0.62, -0.17, kHeight - 0.055}, {middle + 0.62, 0.17, kHeight}, frame);
         addRectangle(model_, {middle - 0.60, -0.15, kHeight - 0.056}, {0, 0.30, 0}, {1.20, 0, 0}, lit);
-        model_.lamps.push_back({{middle - 0.60, -0.15, kHeight - 0.058}, {0, 0.30, 0}, {1.20, 0, 0}, glm::dvec3(6.4, 6.1, 5.4)});
+        model_.lamps.push_back({{middle - 0.60, -0.15, kHeight - 0.058}, {0, 0.30, 0}, {1.20, 0, 0}, glm::dvec3(6.4, 6.1, 5.4), false});
     }
 
     void addDoor(int bay, double side) {
@@ -115,6 +115,7 @@ class Corridor {
         for (const double at : {-w, -0.03, w - 0.06})
             addBox(model_, world, {kLength + 0.07, at, z0}, {kLength + 0.12, at + 0.06, z1}, paint);
         addBox(model_, world, {kLength + 0.072, -w, 1.95}, {kLength + 0.118, w, 2.01}, paint);
+        model_.lamps.push_back({{kLength, -w, z0}, {0, 0, z1 - z0}, {0, 2 * w, 0}, {}, true});
         const int door = addMaterial(model_, {Pattern::door, reflectance(0x35505a), reflectance(0x4f6f78), 0.8, 76});
         addRectangle(model_, {0.02, -0.80, 0.005}, {0, 0.80, 0}, {0, 0, 2.1}, door);
         addRectangle(model_, {0.02, 0.004, 0.005}, {0, 0.80, 0}, {0, 0, 2.1}, door);

@@ -16,7 +16,8 @@ namespace scene {
 namespace {
 
 constexpr double kTwoPi = 6.283185307179586;
-constexpr int kGatherRays = 64, kLampRays = 16, kMaxNodesAlongEdge = 200;
+constexpr int kLampRays = 16, kMaxNodesAlongEdge = 200;
+constexpr int kRaysOfPass[] = {24, 80}; ///< one gathering for each reflection; the last is what is seen
 constexpr double kLift = 1e-3;  ///< metres a ray starts above its surface
 constexpr double kInset = 1e-2; ///< metres a light node keeps from the edge of its patch: it must not look behind walls
 
@@ -25,6 +26,7 @@ struct LightNode {
     glm::dvec3 position, normal;
     bool twoSided = false;
     bool isOutside = false; ///< of its outline: takes its neighbours' light
+    int column = 0, row = 0;
 };
 
 /// The nodes of one surface, as they follow each other in its light map.
@@ -49,27 +51,54 @@ int nodesAlong(double metres, double spacing) {
     return std::min(static_cast<int>(std::ceil(metres / spacing)) + 1, kMaxNodesAlongEdge);
 }
 
+/// What a material reflects from afar. Lamps reflect nothing: their light is counted as a lamp's.
+glm::dvec3 meanOf(const Material& material) {
+    if (material.emission != glm::dvec3(0)) return glm::dvec3(0);
+    glm::dvec3 sum(0);
+    constexpr int kPlaces = 48;
+    for (std::uint64_t i = 0; i < kPlaces; ++i)
+        sum += reflectanceAt(material, {unitOf(mixBits(i, 1)), unitOf(mixBits(i, 2)), 0.0});
+    return sum / static_cast<double>(kPlaces);
+}
+
+/// Light that falls on a point: what is in its light map, and the sun.
+glm::dvec3 lightOn(const SyntheticModel& model, const SyntheticTracer& tracer, const SurfacePoint& point) {
+    const glm::dvec3 sun = model.sky.towardsSun;
+    double facing = glm::dot(point.shadingNormal, sun), side = 1.0;
+    bool isLit = facing > 0 && glm::dot(point.normal, sun) > 0;
+    if (point.twoSided) {
+        side = facing < 0 ? -1.0 : 1.0;
+        facing = 0.2 + 0.6 * std::abs(facing); // a leaf scatters what falls on either side through itself
+        isLit = true;
+    }
+    if (!isLit || model.sky.sun == glm::dvec3(0)) return point.light;
+    if (tracer.isBlocked(point.position + point.normal * (side * kLift), sun, 1e6)) return point.light;
+    return point.light + model.sky.sun * facing;
+}
+
 class Lighting {
   public:
     Lighting(SyntheticModel& model, const SyntheticTracer& tracer) : model_(model), tracer_(tracer) {
+        for (const Material& material : model.materials) meanReflectance_.push_back(meanOf(material));
+        for (const AreaLight& lamp : model.lamps) hasOpenings_ = hasOpenings_ || lamp.isOpening;
         for (Patch& patch : model.patches) addPatch(patch);
         for (Round& round : model.rounds) addRound(round);
         Mesh& mesh = model.mesh;
         for (std::size_t i = 0; i < mesh.positions.size(); ++i)
-            nodes_.push_back({mesh.positions[i], mesh.normals[i], false, false});
+            nodes_.push_back({mesh.positions[i], mesh.normals[i], false, false, static_cast<int>(i), 0});
         mesh.light.resize(mesh.positions.size());
         meshFirst_ = nodes_.size() - mesh.positions.size();
     }
 
     void run() {
-        std::vector<glm::dvec3> lamps(nodes_.size()), indirect(nodes_.size());
+        std::vector<glm::dvec3> lamps(nodes_.size()), indirect(nodes_.size(), glm::dvec3(0));
         std::vector<std::uint8_t> isBuried(nodes_.size());
         tbb::parallel_for(std::size_t{0}, nodes_.size(), [&](std::size_t i) { lamps[i] = fromLamps(i); });
-        deliver(lamps, isBuried);
-        for (int reflection = 0; reflection < 2; ++reflection) {
+        deliver(lamps, indirect, isBuried);
+        for (const int rays : kRaysOfPass) {
             tbb::parallel_for(std::size_t{0}, nodes_.size(),
-                              [&](std::size_t i) { indirect[i] = lamps[i] + gathered(i, isBuried[i]); });
-            deliver(indirect, isBuried);
+                              [&](std::size_t i) { indirect[i] = gathered(i, rays, isBuried[i]); });
+            deliver(lamps, indirect, isBuried);
         }
     }
 
@@ -89,7 +118,7 @@ class Lighting {
                 const glm::dvec2 p = glm::clamp(patch.extent.low + part * size, patch.extent.low + inset,
                                                 patch.extent.high - inset);
                 const bool isOutside = map.columns * map.rows > 1 && !isWithin(patch, p);
-                nodes_.push_back({patch.origin + patch.u * p.x + patch.v * p.y, patch.normal, patch.twoSided, isOutside});
+                nodes_.push_back({patch.origin + patch.u * p.x + patch.v * p.y, patch.normal, patch.twoSided, isOutside, column, row});
             }
     }
 
@@ -107,25 +136,33 @@ class Lighting {
                 const double t = static_cast<double>(row) / (map.rows - 1);
                 const RoundPlace place = placeOn(round, static_cast<double>(column) / (map.columns - 1),
                                                  std::clamp(t, inset, 1.0 - inset));
-                nodes_.push_back({place.position, place.normal, false, false});
+                nodes_.push_back({place.position, place.normal, false, false, column, row});
             }
     }
 
     /// Hands the light to the maps, with light for buried and outside nodes taken from their neighbours.
-    void deliver(const std::vector<glm::dvec3>& light, const std::vector<std::uint8_t>& isBuried) {
+    void deliver(const std::vector<glm::dvec3>& lamps, const std::vector<glm::dvec3>& indirect,
+                 const std::vector<std::uint8_t>& isBuried) {
         tbb::parallel_for(std::size_t{0}, sheets_.size(), [&](std::size_t s) {
             const LightSheet& sheet = sheets_[s];
-            const std::size_t count = static_cast<std::size_t>(sheet.columns * sheet.rows);
-            std::vector<glm::dvec3> values(light.begin() + static_cast<std::ptrdiff_t>(sheet.first),
-                                           light.begin() + static_cast<std::ptrdiff_t>(sheet.first + count));
+            const std::size_t count = sheet.target->size();
             std::vector<std::uint8_t> isKnown(count);
             for (std::size_t i = 0; i < count; ++i)
                 isKnown[i] = !nodes_[sheet.first + i].isOutside && isBuried[sheet.first + i] == 0;
-            while (spread(sheet, values, isKnown)) {}
-            smooth(sheet, values);
-            *sheet.target = std::move(values);
+            const auto filled = [&](const std::vector<glm::dvec3>& light, int smoothings) {
+                const auto first = light.begin() + static_cast<std::ptrdiff_t>(sheet.first);
+                std::vector<glm::dvec3> values(first, first + static_cast<std::ptrdiff_t>(count));
+                std::vector<std::uint8_t> known = isKnown;
+                while (spread(sheet, values, known)) {}
+                for (int i = 0; i < smoothings; ++i) smooth(sheet, values);
+                return values;
+            };
+            *sheet.target = filled(lamps, 1);
+            const std::vector<glm::dvec3> rest = filled(indirect, 3);
+            for (std::size_t i = 0; i < count; ++i) (*sheet.target)[i] += rest[i];
         });
-        std::copy(light.begin() + static_cast<std::ptrdiff_t>(meshFirst_), light.end(), model_.mesh.light.begin());
+        std::vector<glm::dvec3>& mesh = model_.mesh.light;
+        for (std::size_t i = 0; i < mesh.size(); ++i) mesh[i] = lamps[meshFirst_ + i] + indirect[meshFirst_ + i];
     }
 
     /// One step outwards from the known nodes; false when nothing is left to do.
@@ -182,30 +219,34 @@ class Lighting {
                 const double shining = -glm::dot(way, area);
                 if (facing <= 0 || shining <= 0) continue;
                 const glm::dvec3 start = node.position + node.normal * kLift;
-                if (tracer_.isBlocked(start, onLamp - start, 0.998)) continue;
-                sum += lamp.radiance * (facing * shining / (length2 * length2 * kTwoPi / 2 * kLampRays));
+                if (tracer_.isBlocked(start, onLamp - start, lamp.isOpening ? 1e6 : 0.998)) continue;
+                const glm::dvec3 radiance = lamp.isOpening ? skyRadiance(model_.sky, way) : lamp.radiance;
+                sum += radiance * (facing * shining / (length2 * length2 * kTwoPi / 2 * kLampRays));
             }
         }
         return sum;
     }
 
-    glm::dvec3 gathered(std::size_t index, std::uint8_t& isBuried) const {
+    glm::dvec3 gathered(std::size_t index, int rays, std::uint8_t& isBuried) const {
         const LightNode& node = nodes_[index];
         const glm::dvec3 across = std::abs(node.normal.z) < 0.9 ? glm::dvec3(0, 0, 1) : glm::dvec3(1, 0, 0);
         const glm::dvec3 side = glm::normalize(glm::cross(across, node.normal)), up = glm::cross(node.normal, side);
-        const double turn = unitOf(mixBits(index, 11)), lift = unitOf(mixBits(index, 12));
+        // Neighbours turn their rays differently but evenly, so that smoothing makes one dense bundle of them.
+        const double turns = node.column * 0.7548776662 + node.row * 0.5698402910,
+                     lifts = node.column * 0.5698402910 + node.row * 0.3247179572 * 2.0;
+        const double turn = turns - std::floor(turns), lift = lifts - std::floor(lifts);
         glm::dvec3 sum(0);
         int backs = 0;
-        for (int ray = 0; ray < kGatherRays; ++ray) {
+        for (int ray = 0; ray < rays; ++ray) {
             // Cosine-weighted: a spiral with as much of the disc between any two turns.
-            const double radius2 = (ray + lift) / kGatherRays, angle = kTwoPi * (turn + ray * 0.6180339887498949);
+            const double radius2 = (ray + lift) / rays, angle = kTwoPi * (turn + ray * 0.6180339887498949);
             const double radius = std::sqrt(radius2), sign = node.twoSided && (ray & 1) ? -1.0 : 1.0;
             const glm::dvec3 direction = side * (radius * std::cos(angle)) + up * (radius * std::sin(angle)) +
                                          node.normal * (sign * std::sqrt(1.0 - radius2));
             const glm::dvec3 start = node.position + node.normal * (sign * kLift);
             const auto hit = tracer_.cast(start, direction);
             if (!hit) {
-                sum += skyRadiance(model_.sky, direction);
+                if (!hasOpenings_) sum += skyRadiance(model_.sky, direction);
                 continue;
             }
             SurfacePoint point = tracer_.surfaceAt(start, direction, *hit);
@@ -213,15 +254,16 @@ class Lighting {
                 ++backs; // inside of something solid: no light
                 continue;
             }
-            const Material& material = model_.materials[static_cast<std::size_t>(point.material)];
-            if (material.emission == glm::dvec3(0)) sum += radianceOf(model_, tracer_, point);
+            sum += meanReflectance_[static_cast<std::size_t>(point.material)] * lightOn(model_, tracer_, point);
         }
-        isBuried = backs > kGatherRays / 4;
-        return sum / static_cast<double>(kGatherRays);
+        isBuried = backs > rays / 4;
+        return sum / static_cast<double>(rays);
     }
 
     SyntheticModel& model_;
     const SyntheticTracer& tracer_;
+    bool hasOpenings_ = false; ///< all light of the sky comes through them
+    std::vector<glm::dvec3> meanReflectance_;
     std::vector<LightNode> nodes_;
     std::vector<LightSheet> sheets_;
     std::size_t meshFirst_ = 0;
@@ -233,19 +275,7 @@ void lightModel(SyntheticModel& model, const SyntheticTracer& tracer) { Lighting
 
 glm::dvec3 radianceOf(const SyntheticModel& model, const SyntheticTracer& tracer, const SurfacePoint& point) {
     const Material& material = model.materials[static_cast<std::size_t>(point.material)];
-    glm::dvec3 light = point.light;
-    const glm::dvec3 sun = model.sky.towardsSun;
-    double facing = glm::dot(point.shadingNormal, sun), side = 1.0;
-    bool isLit = facing > 0 && glm::dot(point.normal, sun) > 0;
-    if (point.twoSided) {
-        side = facing < 0 ? -1.0 : 1.0;
-        facing = 0.2 + 0.6 * std::abs(facing); // a leaf scatters what falls on either side through itself
-        isLit = true;
-    }
-    if (isLit && model.sky.sun != glm::dvec3(0) &&
-        !tracer.isBlocked(point.position + point.normal * (side * kLift), sun, 1e6))
-        light += model.sky.sun * facing;
-    return light * reflectanceAt(material, point.texturePlace) + material.emission;
+    return lightOn(model, tracer, point) * reflectanceAt(material, point.texturePlace) + material.emission;
 }
 
 glm::dvec3 skyRadiance(const Sky& sky, const glm::dvec3& direction) {

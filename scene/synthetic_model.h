@@ -60,10 +60,12 @@ struct Mesh {
     std::vector<int> materials; ///< for each triangle
 };
 
-/// A lamp or an opening: a rectangle that shines towards edgeU x edgeV.
+/// A lamp, or an opening to the sky: a rectangle that shines towards edgeU x edgeV. A model with openings gets light from
+/// the sky through them only, which costs fewer rays than to look for them.
 struct AreaLight {
     glm::dvec3 corner{0.0}, edgeU{0.0}, edgeV{0.0};
     glm::dvec3 radiance{0.0};
+    bool isOpening = false; ///< the radiance is the sky's
 };
 
 struct Sky {

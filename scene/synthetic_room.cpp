@@ -18,9 +18,9 @@ class Room {
     explicit Room(std::uint32_t seed) : random_(seed) {
         model_.name = "room";
         model_.lightSpacing = 0.07;
-        model_.exposure = 1.35;
+        model_.exposure = 2.6;
         model_.sky.towardsSun = glm::normalize(glm::dvec3(-0.42, 0.72, 0.62));
-        model_.sky.sun = glm::dvec3(5.2, 4.7, 3.9);
+        model_.sky.sun = glm::dvec3(4.4, 4.0, 3.3);
         model_.sky.zenith = glm::dvec3(0.55, 0.95, 1.75);
         model_.sky.horizon = glm::dvec3(1.7, 1.85, 2.0);
         model_.sky.seed = seed;
@@ -72,6 +72,7 @@ class Room {
         for (const double z : {sill_, sill_ + 0.92, lintel_ - w})
             addBox(model_, world, {left_, y0 + 0.002, z}, {right_, y1 - 0.002, z + w}, white_);
         addBox(model_, world, {left_ - 0.08, kDepth - 0.16, sill_ - 0.035}, {right_ + 0.08, kDepth + 0.12, sill_}, white_);
+        model_.lamps.push_back({{left_, kDepth, sill_}, {right_ - left_, 0, 0}, {0, 0, lintel_ - sill_}, {}, true});
 
         const int curtain = addMaterial(model_, {Pattern::weave, reflectance(0xb9573f), reflectance(0xd98a6a), 1.0, 31});
         for (const double x : {left_ - 0.42, right_ - 0.10}) {
@@ -88,14 +89,14 @@ class Room {
     }
 
     void addLamp() {
-        const int shade = addMaterial(model_, {Pattern::plain, reflectance(0xf3e2c0), {}, 1, 0, glm::dvec3(1.15, 0.98, 0.72)});
+        const int shade = addMaterial(model_, {Pattern::plain, reflectance(0xf3e2c0), {}, 1, 0, glm::dvec3(0.62, 0.52, 0.38)});
         const int cord = addMaterial(model_, {Pattern::plain, glm::dvec3(0.03)});
         const glm::dvec3 over(tableX_, tableY_, 0);
         addTube(model_, over + glm::dvec3(0, 0, 2.02), over + glm::dvec3(0, 0, kHeight), 0.006, cord);
         addTube(model_, over + glm::dvec3(0, 0, 1.86), over + glm::dvec3(0, 0, 2.02), 0.22, shade);
         addDisc(model_, over + glm::dvec3(0, 0, 2.02), {0, 0, 1}, 0.22, cord);
         addDisc(model_, over + glm::dvec3(0, 0, 1.87), {0, 0, -1}, 0.219, shade);
-        model_.lamps.push_back({over + glm::dvec3(-0.18, -0.18, 1.855), {0, 0.36, 0}, {0.36, 0, 0}, glm::dvec3(7.0, 5.9, 4.2)});
+        model_.lamps.push_back({over + glm::dvec3(-0.18, -0.18, 1.855), {0, 0.36, 0}, {0.36, 0, 0}, glm::dvec3(4.5, 3.8, 2.8), false});
     }
 
     void addFurniture() {
