@@ -115,7 +115,7 @@ glm::dvec3 welled(glm::dvec3 p) {
 void addCar(SyntheticModel& model, const Pose& worldFromCar, const CarShape& shape) {
     const int body = addMaterial(model, {Pattern::carBody, shape.paint, {}, 1.0, shape.seed});
     addSheet(
-        model, kAround, kStations + 2 * kEndRings,
+        model, static_cast<int>(kAround * shape.fineness), static_cast<int>((kStations + 2 * kEndRings) * shape.fineness),
         [&](double s, double t) { return worldFromCar * damaged(shape, welled(shellAt(t, 1.0 - s))); },
         [&](double s, double t) { return shellAt(t, 1.0 - s); }, body);
 

@@ -13,7 +13,7 @@ namespace scene {
 
 namespace {
 
-constexpr double kHalfRoad = 3.5, kPavement = 2.6, kKerb = 0.13, kFar = 34.0; // metres
+constexpr double kHalfRoad = 3.5, kPavement = 2.6, kKerb = 0.13, kNear = 8.0, kFar = 34.0; // metres
 
 class StreetCorner {
   public:
@@ -44,11 +44,8 @@ class StreetCorner {
   private:
     void addGround() {
         const int road = addMaterial(model_, {Pattern::road, reflectance(0x4d4d50), reflectance(0x77777a), 1.0, 91});
-        Patch& ground = addRectangle(model_, {-kFar, -kFar, 0}, {2 * kFar, 0, 0}, {0, 2 * kFar, 0}, road);
-        // The road's markings are given in world coordinates.
-        ground.origin = glm::dvec3(0);
-        for (glm::dvec2& corner : ground.outline) corner -= kFar;
-        ground.extent = {glm::dvec2(-kFar), glm::dvec2(kFar)};
+        addRoad(kFar, {{glm::dvec2(-kNear), glm::dvec2(kNear)}}, road).lightSpacing = 1.2;
+        addRoad(kNear, {}, road);
 
         const int slabs = addMaterial(model_, {Pattern::slabs, reflectance(0xa9a49a), reflectance(0x6d6961), 0.60, 92});
         const int stone = addMaterial(model_, {Pattern::slabs, reflectance(0xbdb9b0), reflectance(0x7d7a73), 1.0, 93});
@@ -66,6 +63,15 @@ class StreetCorner {
             }
     }
 
+    /// A square about the origin. Its markings are given in world coordinates, and so is the place of its hole.
+    Patch& addRoad(double half, std::vector<Rectangle> holes, int material) {
+        Patch& ground = addRectangle(model_, {-half, -half, 0}, {2 * half, 0, 0}, {0, 2 * half, 0}, material, std::move(holes));
+        ground.origin = glm::dvec3(0);
+        for (glm::dvec2& corner : ground.outline) corner -= half;
+        ground.extent = {glm::dvec2(-half), glm::dvec2(half)};
+        return ground;
+    }
+
     struct House {
         double x0, y0, x1, y1;
         int floors;
@@ -75,6 +81,7 @@ class StreetCorner {
 
     void addHouses() {
         const double near = kHalfRoad + kPavement;
+        const std::size_t first = model_.patches.size();
         addHouse({-near - 11.0, near, -near, near + 12.0, 3, 0x9c5a43, Pattern::bricks});
         addHouse({-near - 25.0, near, -near - 11.05, near + 9.0, 2, 0xd9cba8, Pattern::plaster});
         addHouse({-near - 9.0, near + 12.05, -near, near + 27.0, 4, 0xbcae9a, Pattern::plaster});
@@ -91,6 +98,15 @@ class StreetCorner {
         addHouse({-kFar - 6.0, -8.0, -kFar + 1.0, 8.0, 4, 0x8f5140, Pattern::bricks});
         addHouse({12.0, -kFar, kFar + 4.0, -24.0, 3, 0xb98a6a, Pattern::bricks});
         addHouse({27.0, -23.95, kFar + 4.0, -8.05, 2, 0xcdbfa5, Pattern::plaster});
+        addHouse({near - 1.0, -kFar - 8.0, 14.0, -kFar - 2.0, 3, 0x9c6a50, Pattern::bricks});
+        addHouse({kFar - 4.0, 5.0, kFar + 8.0, 20.0, 3, 0xb9a78c, Pattern::plaster});
+        addHouse({-kFar - 9.0, -20.0, -kFar + 4.0, -7.0, 2, 0xb4683f, Pattern::bricks});
+        addHouse({-kFar - 9.0, 7.0, -kFar + 4.0, 20.0, 3, 0xcfc3ae, Pattern::plaster});
+        addHouse({-20.0, -kFar - 9.0, -7.0, -kFar + 2.0, 3, 0xcdbfa5, Pattern::plaster});
+        addHouse({-20.0, kFar - 2.0, -7.0, kFar + 9.0, 3, 0xa8b4b0, Pattern::plaster});
+        addHouse({7.0, kFar - 2.0, 20.0, kFar + 9.0, 3, 0x9c5a43, Pattern::bricks});
+        // Houses are large and far: their light changes slowly.
+        for (std::size_t i = first; i < model_.patches.size(); ++i) model_.patches[i].lightSpacing = 0.9;
     }
 
     void addHouse(const House& house) {
@@ -175,7 +191,7 @@ class StreetCorner {
         }
         const int redSign = addMaterial(model_, {Pattern::stripes, reflectance(0xb5201d), reflectance(0xeeeae2), 0.30, 0});
         const int blue = addMaterial(model_, {Pattern::stripes, reflectance(0x1f4f9a), reflectance(0xe8ecf2), 0.22, 0});
-        addSign({-4.2, -4.2, 0}, {-0.6, -0.8, 0}, redSign, grey);
+        addSign({-4.25, -7.9, 0}, {-0.6, -0.8, 0}, redSign, grey);
         addSign({4.25, 4.3, 0}, {0.8, 0.6, 0}, blue, grey);
         addSign({4.3, -7.6, 0}, {0, -1, 0}, blue, grey);
         for (int i = 0; i < 5; ++i) addRod(model_, {-4.0 - 0.0 * i, 5.2 + 1.1 * i, kKerb - 0.01}, {-4.0, 5.2 + 1.1 * i, 1.02}, 0.055, iron);
@@ -221,7 +237,7 @@ class StreetCorner {
         addCar(model_, standing({0.35, 1.10, 0}, 2.90), struck);
         addCar(model_, standing({1.05, -1.92, 0}, 1.78), striking);
         CarShape parked;
-        parked.paint = reflectance(0xd9dadb), parked.seed = 31;
+        parked.paint = reflectance(0xd9dadb), parked.seed = 31, parked.fineness = 0.5;
         addCar(model_, standing({-2.35, 14.5, 0}, 1.5707963267948966), parked);
         parked.paint = reflectance(0x2f4a3c), parked.seed = 32;
         addCar(model_, standing({13.5, 2.4, 0}, 3.141592653589793), parked);

@@ -45,7 +45,7 @@ void addCushion(SyntheticModel& model, const Pose& worldFromCushion, const glm::
                           half.z * power(std::sin(rise)));
     };
     addSheet(
-        model, 48, 24, [&](double s, double t) { return worldFromCushion * (centre + shape(s, t)); },
+        model, 36, 18, [&](double s, double t) { return worldFromCushion * (centre + shape(s, t)); },
         [&](double s, double t) {
             const glm::dvec3 p = shape(s, t);
             return glm::dvec3(p.x + 0.3 * p.y, p.y + p.z, 0);

@@ -29,6 +29,7 @@ struct CarShape {
     double frontCrush = 0;                     ///< metres that the front is shorter
     double sideDent = 0;                       ///< metres that the right side is pushed in
     double dentAt = 0;                         ///< x of the dent's middle
+    double fineness = 1;                       ///< of its mesh; 1: a vertex each 4 cm
     std::uint32_t seed = 1;
 };
 void addCar(SyntheticModel& model, const Pose& worldFromCar, const CarShape& shape);

@@ -17,7 +17,7 @@ namespace {
 
 constexpr double kTwoPi = 6.283185307179586;
 constexpr int kLampRays = 16, kMaxNodesAlongEdge = 200;
-constexpr int kRaysOfPass[] = {24, 80}; ///< one gathering for each reflection; the last is what is seen
+constexpr int kRaysOfPass[] = {20, 72}; ///< one gathering for each reflection; the last is what is seen
 constexpr double kLift = 1e-3;  ///< metres a ray starts above its surface
 constexpr double kInset = 1e-2; ///< metres a light node keeps from the edge of its patch: it must not look behind walls
 
@@ -106,8 +106,9 @@ class Lighting {
     void addPatch(Patch& patch) {
         const glm::dvec2 size = patch.extent.high - patch.extent.low;
         LightMap& map = patch.light;
-        map.columns = nodesAlong(size.x, model_.lightSpacing);
-        map.rows = nodesAlong(size.y, model_.lightSpacing);
+        const double spacing = patch.lightSpacing > 0 ? patch.lightSpacing : model_.lightSpacing;
+        map.columns = nodesAlong(size.x, spacing);
+        map.rows = nodesAlong(size.y, spacing);
         map.nodes.assign(static_cast<std::size_t>(map.columns * map.rows), glm::dvec3(0));
         sheets_.push_back({map.columns, map.rows, nodes_.size(), &map.nodes});
         const glm::dvec2 inset = glm::min(glm::dvec2(kInset), size / 4.0);

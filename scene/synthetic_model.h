@@ -36,7 +36,8 @@ struct Patch {
     std::vector<Rectangle> holes;    ///< only where the outline is a rectangle
     Rectangle extent;                ///< of the outline
     int material = 0;
-    bool twoSided = false; ///< thin: looks the same from behind
+    bool twoSided = false;   ///< thin: looks the same from behind
+    double lightSpacing = 0; ///< metres between nodes of its light map; 0: the model's
     LightMap light;
 };
 

@@ -18,9 +18,9 @@ class Room {
     explicit Room(std::uint32_t seed) : random_(seed) {
         model_.name = "room";
         model_.lightSpacing = 0.07;
-        model_.exposure = 2.6;
+        model_.exposure = 3.6;
         model_.sky.towardsSun = glm::normalize(glm::dvec3(-0.42, 0.72, 0.62));
-        model_.sky.sun = glm::dvec3(4.4, 4.0, 3.3);
+        model_.sky.sun = glm::dvec3(3.4, 3.1, 2.6);
         model_.sky.zenith = glm::dvec3(0.55, 0.95, 1.75);
         model_.sky.horizon = glm::dvec3(1.7, 1.85, 2.0);
         model_.sky.seed = seed;
@@ -89,14 +89,14 @@ class Room {
     }
 
     void addLamp() {
-        const int shade = addMaterial(model_, {Pattern::plain, reflectance(0xf3e2c0), {}, 1, 0, glm::dvec3(0.62, 0.52, 0.38)});
+        const int shade = addMaterial(model_, {Pattern::plain, reflectance(0xf3e2c0), {}, 1, 0, glm::dvec3(0.46, 0.38, 0.27)});
         const int cord = addMaterial(model_, {Pattern::plain, glm::dvec3(0.03)});
         const glm::dvec3 over(tableX_, tableY_, 0);
         addTube(model_, over + glm::dvec3(0, 0, 2.02), over + glm::dvec3(0, 0, kHeight), 0.006, cord);
         addTube(model_, over + glm::dvec3(0, 0, 1.86), over + glm::dvec3(0, 0, 2.02), 0.22, shade);
         addDisc(model_, over + glm::dvec3(0, 0, 2.02), {0, 0, 1}, 0.22, cord);
         addDisc(model_, over + glm::dvec3(0, 0, 1.87), {0, 0, -1}, 0.219, shade);
-        model_.lamps.push_back({over + glm::dvec3(-0.18, -0.18, 1.855), {0, 0.36, 0}, {0.36, 0, 0}, glm::dvec3(4.5, 3.8, 2.8), false});
+        model_.lamps.push_back({over + glm::dvec3(-0.18, -0.18, 1.855), {0, 0.36, 0}, {0.36, 0, 0}, glm::dvec3(5.0, 4.3, 3.3), false});
     }
 
     void addFurniture() {
@@ -171,7 +171,7 @@ class Room {
         addBox(model_, world, {0.0005, 0.28, 0}, {0.025, 0.35, 2.10}, white_);
         addBox(model_, world, {0.0005, 1.21, 0}, {0.025, 1.28, 2.10}, white_);
         addBox(model_, world, {0.0005, 0.35, 2.035}, {0.025, 1.21, 2.10}, white_);
-        const int clock = addMaterial(model_, {Pattern::wheel, reflectance(0xe9e2d0), {}, 0.16, 66});
+        const int clock = addMaterial(model_, {Pattern::dial, reflectance(0xe9e2d0), {}, 0.16, 66});
         addDisc(model_, {0.7, 0.03, 1.75}, {0, 1, 0}, 0.16, clock);
         addTube(model_, {0.7, 0.0005, 1.75}, {0.7, 0.035, 1.75}, 0.165, dark_);
         const int cabinet = addMaterial(model_, {Pattern::grain, reflectance(0x9a6a3d), reflectance(0xcfa06a), 1.0, 67});

@@ -134,7 +134,7 @@ glm::dvec3 asphalt(const Material& m, const glm::dvec3& p) {
     const double grit = smoothNoise(p * 38.0, m.seed), stain = layeredNoise(p * 0.5, 4, m.seed + 1);
     const double crackField = layeredNoise(p * 0.9, 4, m.seed + 2);
     const double crack = (1.0 - softStep(0.0025, 0.002, std::abs(crackField - 0.5))) * softStep(0.52, 0.05, stain);
-    return glm::mix(m.base, m.accent, std::clamp(0.7 * grit + 0.9 * (stain - 0.35), 0.0, 1.0)) * (1.0 - 0.5 * crack);
+    return glm::mix(m.base, m.accent, std::clamp(0.35 * grit + 0.2 + 0.9 * (stain - 0.35), 0.0, 1.0)) * (1.0 - 0.5 * crack);
 }
 
 /// Markings of the street corner: see synthetic_corner.cpp for where the streets run (along x and y, 7 m wide).

@@ -32,6 +32,7 @@ enum class Pattern : std::uint8_t {
     leaf,     ///< a leaf with veins, around the origin
     carBody,  ///< paint, glass, lamps and seams of a car, in the car's coordinates
     wheel,    ///< tyre and rim around the origin, radius scale
+    dial,     ///< a clock's face around the origin, radius scale
     stripes,  ///< bars of width scale across x
 };
 

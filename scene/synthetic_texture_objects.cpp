@@ -166,6 +166,18 @@ glm::dvec3 wheel(const Material& m, const glm::dvec3& p) {
     return glm::mix(glm::dvec3(0.02), m.base, metal) * (1.0 - 0.7 * bolts);
 }
 
+glm::dvec3 dial(const Material& m, const glm::dvec3& p) {
+    const glm::dvec2 at = glm::dvec2(p.x, p.y) / m.scale;
+    const double radius = glm::length(at), hours = std::atan2(at.x, at.y) * 6.0 / 3.141592653589793;
+    const double tick = stroke((hours - std::round(hours)) * radius * 0.5236, 0.035, 0.01) * band(radius, 0.74, 0.92, 0.01);
+    const auto hand = [&](double hour, double length, double width) {
+        const double angle = hour * 0.5235987755982988;
+        return 1.0 - softStep(width, 0.012, distanceToSegment(at, {0, 0}, glm::dvec2(std::sin(angle), std::cos(angle)) * length));
+    };
+    const double ink = std::max({tick, hand(10.15, 0.48, 0.03), hand(1.9, 0.70, 0.02)});
+    return glm::mix(m.base, glm::dvec3(0.02), ink);
+}
+
 } // namespace
 
 glm::dvec3 objectReflectanceAt(const Material& m, const glm::dvec3& p) {
@@ -182,6 +194,7 @@ glm::dvec3 objectReflectanceAt(const Material& m, const glm::dvec3& p) {
     case Pattern::leaf: return leaf(m, p);
     case Pattern::carBody: return carBody(m, p);
     case Pattern::wheel: return wheel(m, p);
+    case Pattern::dial: return dial(m, p);
     default: return m.base;
     }
 }
