@@ -1,11 +1,13 @@
-// make_sample: writes a sample RGB-D capture of a synthetic scene, in the form that nerfstudio reads and writes, and a walk
-// through it.
+// make_sample: writes a sample RGB-D capture of a synthetic scene, in the form that nerfstudio reads and
+// writes, and a walk through it.
 //
-//   OUT/transforms.json   intrinsics, and for each frame its files and camera-to-world matrix with the camera axes of
+//   OUT/transforms.json   intrinsics, and for each frame its files and camera-to-world matrix with the camera
+//   axes of
 //                         OpenGL (x right, y up, z backwards); world: metres, +Z up
 //   OUT/images/*.png|jpg  colour
-//   OUT/depth/*.png       16 bit depth along z in steps of the depth unit; 0: no surface, or too far to be written
-//   OUT/walk.json         a path file of space "world": head poses whose axes are x right, y up, z backwards
+//   OUT/depth/*.png       16 bit depth along z in steps of the depth unit; 0: no surface, or too far to be
+//   written OUT/walk.json         a path file of space "world": head poses whose axes are x right, y up, z
+//   backwards
 
 #include "scene/errors.h"
 #include "scene/synthetic.h"
@@ -42,10 +44,12 @@ struct SampleOptions {
     double walkSeconds = 20;
 };
 
-/// WIDTHxHEIGHT with the field of view of a hand-held depth camera across; false if it is not written like that.
+/// WIDTHxHEIGHT with the field of view of a hand-held depth camera across; false if it is not written like
+/// that.
 bool cameraOf(const std::string& size, scene::Camera& camera) {
     int width = 0, height = 0, used = 0;
-    if (std::sscanf(size.c_str(), "%dx%d%n", &width, &height, &used) != 2 || static_cast<std::size_t>(used) != size.size())
+    if (std::sscanf(size.c_str(), "%dx%d%n", &width, &height, &used) != 2 ||
+        static_cast<std::size_t>(used) != size.size())
         return false;
     if (width < 1 || height < 1 || width > 16384 || height > 16384) return false;
     const scene::Camera usual = scene::captureCamera();
@@ -69,14 +73,17 @@ void writePicture(const fs::path& path, const cv::Mat& picture) {
     } catch (const cv::Exception&) {
         isWritten = false;
     }
-    if (!isWritten) throw scene::Failure("cannot write the picture", path, "check that the folder is writable and not full");
+    if (!isWritten)
+        throw scene::Failure("cannot write the picture", path,
+                             "check that the folder is writable and not full");
 }
 
 void writeJson(const fs::path& path, const Json& json) {
     std::ofstream file(path);
     file << json.dump(1) << '\n';
     file.close();
-    if (!file) throw scene::Failure("cannot write the file", path, "check that the folder is writable and not full");
+    if (!file)
+        throw scene::Failure("cannot write the file", path, "check that the folder is writable and not full");
 }
 
 cv::Mat colourOf(const scene::DepthImage& image) {
@@ -98,7 +105,8 @@ cv::Mat depthOf(const scene::DepthImage& image, const SampleOptions& options, in
             double depth = 1.0 / static_cast<double>(image.disparity(x, y));
             if (options.noiseMillimetres > 0) depth += options.noiseMillimetres * 0.001 * noise.normal();
             const double steps = std::round(depth / options.depthUnitMetres);
-            if (steps >= 1.0 && steps <= 65535.0) picture.at<std::uint16_t>(y, x) = static_cast<std::uint16_t>(steps);
+            if (steps >= 1.0 && steps <= 65535.0)
+                picture.at<std::uint16_t>(y, x) = static_cast<std::uint16_t>(steps);
         }
     return picture;
 }
@@ -112,10 +120,20 @@ Json frameOf(const scene::DepthImage& image, const std::string& colourPath, cons
     return {{"file_path", colourPath}, {"depth_file_path", depthPath}, {"transform_matrix", rows}};
 }
 
-void writeCapture(const scene::SyntheticScene& synthetic, const scene::Camera& camera, const SampleOptions& options) {
-    Json transforms{{"camera_model", "OPENCV"}, {"w", camera.width}, {"h", camera.height}, {"fl_x", camera.fx},
-                    {"fl_y", camera.fy},        {"cx", camera.cx},   {"cy", camera.cy},    {"k1", 0},
-                    {"k2", 0},                  {"p1", 0},           {"p2", 0},            {"depth_unit_scale_factor", options.depthUnitMetres},
+void writeCapture(const scene::SyntheticScene& synthetic, const scene::Camera& camera,
+                  const SampleOptions& options) {
+    Json transforms{{"camera_model", "OPENCV"},
+                    {"w", camera.width},
+                    {"h", camera.height},
+                    {"fl_x", camera.fx},
+                    {"fl_y", camera.fy},
+                    {"cx", camera.cx},
+                    {"cy", camera.cy},
+                    {"k1", 0},
+                    {"k2", 0},
+                    {"p1", 0},
+                    {"p2", 0},
+                    {"depth_unit_scale_factor", options.depthUnitMetres},
                     {"frames", Json::array()}};
     const std::vector<scene::View> views = scene::captureViews(synthetic, options.images, camera);
     for (int i = 0; i < options.images; ++i) {
@@ -139,9 +157,10 @@ void writeWalk(const scene::SyntheticScene& synthetic, const SampleOptions& opti
         const scene::Pose worldFromHead = withUprightAxes(views[i].worldFromEye);
         const glm::dvec3 p = worldFromHead.translation;
         const glm::dvec4 q = scene::quaternionOf(worldFromHead);
-        poses.push_back({{"t", options.walkSeconds * static_cast<double>(i) / static_cast<double>(views.size())},
-                         {"position", {p.x, p.y, p.z}},
-                         {"orientation", {q.x, q.y, q.z, q.w}}});
+        poses.push_back(
+            {{"t", options.walkSeconds * static_cast<double>(i) / static_cast<double>(views.size())},
+             {"position", {p.x, p.y, p.z}},
+             {"orientation", {q.x, q.y, q.z, q.w}}});
     }
     writeJson(options.out / "walk.json", {{"space", "world"}, {"poses", poses}});
 }
@@ -149,16 +168,19 @@ void writeWalk(const scene::SyntheticScene& synthetic, const SampleOptions& opti
 void makeFolder(const fs::path& path) {
     std::error_code error;
     fs::create_directories(path, error);
-    if (error) throw scene::Failure("cannot make the folder (" + error.message() + ")", path, "choose a place that is writable");
+    if (error)
+        throw scene::Failure("cannot make the folder (" + error.message() + ")", path,
+                             "choose a place that is writable");
 }
 
 void makeSample(const SampleOptions& options, const scene::Camera& camera) {
-    for (const char* folder : {"images", "depth"}) makeFolder(options.out / folder);
+    for (const char* folder : {"images", "depth"})
+        makeFolder(options.out / folder);
     const auto synthetic = scene::makeSyntheticScene(options.sceneName, options.seed);
     writeCapture(*synthetic, camera, options);
     writeWalk(*synthetic, options);
-    std::cout << options.images << " images of the " << options.sceneName << " and a walk of " << options.walkPoses
-              << " poses in " << options.out.string() << '\n';
+    std::cout << options.images << " images of the " << options.sceneName << " and a walk of "
+              << options.walkPoses << " poses in " << options.out.string() << '\n';
 }
 
 } // namespace
@@ -168,19 +190,24 @@ void makeSample(const SampleOptions& options, const scene::Camera& camera) {
 int main(int argc, char** argv) {
     app::SampleOptions options;
     scene::Camera camera;
-    CLI::App cli{"Writes a sample RGB-D capture of a synthetic scene whose truth is known: transforms.json, images/, depth/ as\n"
+    CLI::App cli{"Writes a sample RGB-D capture of a synthetic scene whose truth is known: transforms.json, "
+                 "images/, depth/ as\n"
                  "nerfstudio has them, and walk.json, a path through the scene.\n\n"
                  "  make_sample /tmp/room --scene room --images 60\n"
                  "  make_sample /tmp/corner --scene corner --images 120 --size 1280x960 --noise-mm 4"};
     cli.add_option("OUT", options.out, "folder to write; made if it is not there")->required();
-    cli.add_option("--scene", options.sceneName, "room: a furnished living room; corner: a street corner where two cars collided; "
-                                                 "corridor: 26 m of repeating doors and pillars")
+    cli.add_option("--scene", options.sceneName,
+                   "room: a furnished living room; corner: a street corner where two cars collided; "
+                   "corridor: 26 m of repeating doors and pillars")
         ->check(CLI::IsMember({"room", "corner", "corridor"}))
         ->capture_default_str();
-    cli.add_option("--images", options.images, "how many")->check(CLI::Range(1, 100000))->capture_default_str();
+    cli.add_option("--images", options.images, "how many")
+        ->check(CLI::Range(1, 100000))
+        ->capture_default_str();
     cli.add_option("--size", options.size, "of the images in pixels, 63 degrees across")
         ->check([&camera](const std::string& size) {
-            return app::cameraOf(size, camera) ? std::string() : "not WIDTHxHEIGHT with each from 1 to 16384: " + size;
+            return app::cameraOf(size, camera) ? std::string()
+                                               : "not WIDTHxHEIGHT with each from 1 to 16384: " + size;
         })
         ->type_name("WxH")
         ->capture_default_str();
@@ -190,10 +217,12 @@ int main(int argc, char** argv) {
     cli.add_option("--noise-mm", options.noiseMillimetres, "standard deviation of depth noise in millimetres")
         ->check(CLI::Range(0.0, 1000.0))
         ->capture_default_str();
-    cli.add_option("--depth-unit", options.depthUnitMetres, "metres in one step of the 16 bit depth; 65535 steps are the farthest")
+    cli.add_option("--depth-unit", options.depthUnitMetres,
+                   "metres in one step of the 16 bit depth; 65535 steps are the farthest")
         ->check(CLI::Range(1e-6, 1.0))
         ->capture_default_str();
-    cli.add_option("--seed", options.seed, "another seed: other books, leaves, clouds, noise")->capture_default_str();
+    cli.add_option("--seed", options.seed, "another seed: other books, leaves, clouds, noise")
+        ->capture_default_str();
     cli.add_option("--format", options.format, "of the colour images")
         ->check(CLI::IsMember({"png", "jpg"}))
         ->capture_default_str();

@@ -25,7 +25,8 @@ glm::dvec3 colourAt(const SyntheticScene& scene, const glm::dvec3& origin, const
     return exposed(radiance, model.exposure);
 }
 
-/// Where the rays of a pixel pierce it: 1 its centre, else a low-discrepancy pattern that is the same in every pixel.
+/// Where the rays of a pixel pierce it: 1 its centre, else a low-discrepancy pattern that is the same in
+/// every pixel.
 std::vector<glm::dvec2> samplePlaces(int samplesPerPixel) {
     if (samplesPerPixel == 1) return {{0.5, 0.5}};
     std::vector<glm::dvec2> places;
@@ -39,7 +40,8 @@ std::vector<glm::dvec2> samplePlaces(int samplesPerPixel) {
 } // namespace
 
 SyntheticScene::SyntheticScene(SyntheticModel model)
-    : model_(std::make_unique<SyntheticModel>(std::move(model))), tracer_(std::make_unique<SyntheticTracer>(*model_)) {
+    : model_(std::make_unique<SyntheticModel>(std::move(model))),
+      tracer_(std::make_unique<SyntheticTracer>(*model_)) {
     lightModel(*model_, *tracer_);
 }
 
@@ -54,7 +56,8 @@ std::optional<SyntheticScene> makeSyntheticScene(const std::string& name, std::u
     return std::nullopt;
 }
 
-std::optional<Hit> castRay(const SyntheticScene& scene, const glm::dvec3& originInWorld, const glm::dvec3& direction) {
+std::optional<Hit> castRay(const SyntheticScene& scene, const glm::dvec3& originInWorld,
+                           const glm::dvec3& direction) {
     const auto hit = scene.tracer().cast(originInWorld, direction);
     if (!hit) return std::nullopt;
     const SurfacePoint point = scene.tracer().surfaceAt(originInWorld, direction, *hit);
@@ -89,10 +92,12 @@ DepthImage renderTruth(const SyntheticScene& scene, const View& view, int sample
             else
                 image.flags(x, y) = kNoSurface;
             glm::dvec3 sum(0);
-            if (samplesPerPixel == 1) sum = colourAt(scene, eye, centre, hit);
+            if (samplesPerPixel == 1)
+                sum = colourAt(scene, eye, centre, hit);
             else
                 for (const glm::dvec2& place : places) {
-                    const glm::dvec3 ray = view.worldFromEye.rotation * rayThrough(camera, x + place.x, y + place.y);
+                    const glm::dvec3 ray =
+                        view.worldFromEye.rotation * rayThrough(camera, x + place.x, y + place.y);
                     sum += colourAt(scene, eye, ray, scene.tracer().cast(eye, ray));
                 }
             image.colour(x, y) = encoded(sum / static_cast<double>(samplesPerPixel));
@@ -112,9 +117,10 @@ Scan simulateScan(const SyntheticScene& scene, const Pose& worldFromScanner, int
             options.topRadians - (row + 0.5) * (options.topRadians - options.bottomRadians) / rows;
         for (int column = 0; column < columns; ++column) {
             const double azimuth = -(column + 0.5) * kTwoPi / columns;
-            const glm::dvec3 ray(std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth),
-                                 std::sin(elevation));
-            const glm::dvec3 origin = worldFromScanner.translation, direction = worldFromScanner.rotation * ray;
+            const glm::dvec3 ray(std::cos(elevation) * std::cos(azimuth),
+                                 std::cos(elevation) * std::sin(azimuth), std::sin(elevation));
+            const glm::dvec3 origin = worldFromScanner.translation,
+                             direction = worldFromScanner.rotation * ray;
             const auto hit = scene.tracer().cast(origin, direction);
             if (!hit) continue;
             double range = hit->t;

@@ -12,7 +12,8 @@ void addTable(SyntheticModel& model, const Pose& worldFromTable, const glm::dvec
 void addSofa(SyntheticModel& model, const Pose& worldFromSofa, double width, int cloth, int pillow);
 
 /// A case of shelves filled with books and a few round things.
-void addBookcase(SyntheticModel& model, const Pose& worldFromCase, const glm::dvec3& size, int wood, SeededSequence& random);
+void addBookcase(SyntheticModel& model, const Pose& worldFromCase, const glm::dvec3& size, int wood,
+                 SeededSequence& random);
 
 /// A pot with a bunch of arching leaves.
 void addPottedPlant(SyntheticModel& model, const glm::dvec3& at, double height, SeededSequence& random);
@@ -21,15 +22,16 @@ void addPottedPlant(SyntheticModel& model, const glm::dvec3& at, double height, 
 void addTree(SyntheticModel& model, const glm::dvec3& at, double height, int leaves, SeededSequence& random);
 
 /// A clipped hedge: a dense volume of leaves over a dark core.
-void addHedge(SyntheticModel& model, const Pose& worldFromHedge, const glm::dvec3& size, int leaves, SeededSequence& random);
+void addHedge(SyntheticModel& model, const Pose& worldFromHedge, const glm::dvec3& size, int leaves,
+              SeededSequence& random);
 
 /// A car with its damage: x forward, y left, z up, its middle over the origin.
 struct CarShape {
     glm::dvec3 paint{0.5, 0.05, 0.04};
-    double frontCrush = 0;                     ///< metres that the front is shorter
-    double sideDent = 0;                       ///< metres that the right side is pushed in
-    double dentAt = 0;                         ///< x of the dent's middle
-    double fineness = 1;                       ///< of its mesh; 1: a vertex each 4 cm
+    double frontCrush = 0; ///< metres that the front is shorter
+    double sideDent = 0;   ///< metres that the right side is pushed in
+    double dentAt = 0;     ///< x of the dent's middle
+    double fineness = 1;   ///< of its mesh; 1: a vertex each 4 cm
     std::uint32_t seed = 1;
 };
 void addCar(SyntheticModel& model, const Pose& worldFromCar, const CarShape& shape);

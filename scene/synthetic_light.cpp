@@ -18,8 +18,9 @@ namespace {
 constexpr double kTwoPi = 6.283185307179586;
 constexpr int kLampRays = 16, kMaxNodesAlongEdge = 200;
 constexpr int kRaysOfPass[] = {20, 72}; ///< one gathering for each reflection; the last is what is seen
-constexpr double kLift = 1e-3;  ///< metres a ray starts above its surface
-constexpr double kInset = 1e-2; ///< metres a light node keeps from the edge of its patch: it must not look behind walls
+constexpr double kLift = 1e-3;          ///< metres a ray starts above its surface
+constexpr double kInset =
+    1e-2; ///< metres a light node keeps from the edge of its patch: it must not look behind walls
 
 /// A place that light is gathered for.
 struct LightNode {
@@ -79,10 +80,14 @@ glm::dvec3 lightOn(const SyntheticModel& model, const SyntheticTracer& tracer, c
 class Lighting {
   public:
     Lighting(SyntheticModel& model, const SyntheticTracer& tracer) : model_(model), tracer_(tracer) {
-        for (const Material& material : model.materials) meanReflectance_.push_back(meanOf(material));
-        for (const AreaLight& lamp : model.lamps) hasOpenings_ = hasOpenings_ || lamp.isOpening;
-        for (Patch& patch : model.patches) addPatch(patch);
-        for (Round& round : model.rounds) addRound(round);
+        for (const Material& material : model.materials)
+            meanReflectance_.push_back(meanOf(material));
+        for (const AreaLight& lamp : model.lamps)
+            hasOpenings_ = hasOpenings_ || lamp.isOpening;
+        for (Patch& patch : model.patches)
+            addPatch(patch);
+        for (Round& round : model.rounds)
+            addRound(round);
         Mesh& mesh = model.mesh;
         for (std::size_t i = 0; i < mesh.positions.size(); ++i)
             nodes_.push_back({mesh.positions[i], mesh.normals[i], false, false, static_cast<int>(i), 0});
@@ -112,14 +117,17 @@ class Lighting {
         map.nodes.assign(static_cast<std::size_t>(map.columns * map.rows), glm::dvec3(0));
         sheets_.push_back({map.columns, map.rows, nodes_.size(), &map.nodes});
         const glm::dvec2 inset = glm::min(glm::dvec2(kInset), size / 4.0);
-        const auto along = [](int index, int count) { return count == 1 ? 0.5 : static_cast<double>(index) / (count - 1); };
+        const auto along = [](int index, int count) {
+            return count == 1 ? 0.5 : static_cast<double>(index) / (count - 1);
+        };
         for (int row = 0; row < map.rows; ++row)
             for (int column = 0; column < map.columns; ++column) {
                 const glm::dvec2 part(along(column, map.columns), along(row, map.rows));
                 const glm::dvec2 p = glm::clamp(patch.extent.low + part * size, patch.extent.low + inset,
                                                 patch.extent.high - inset);
                 const bool isOutside = map.columns * map.rows > 1 && !isWithin(patch, p);
-                nodes_.push_back({patch.origin + patch.u * p.x + patch.v * p.y, patch.normal, patch.twoSided, isOutside, column, row});
+                nodes_.push_back({patch.origin + patch.u * p.x + patch.v * p.y, patch.normal, patch.twoSided,
+                                  isOutside, column, row});
             }
     }
 
@@ -127,8 +135,9 @@ class Lighting {
         LightMap& map = round.light;
         const double girth = kTwoPi * round.radius;
         map.columns = std::clamp(nodesAlong(girth, model_.lightSpacing), 5, 24);
-        map.rows = round.kind == RoundKind::tube ? std::max(nodesAlong(round.length, model_.lightSpacing), 2)
-                                                 : std::clamp(nodesAlong(girth / 2, model_.lightSpacing), 4, 16);
+        map.rows = round.kind == RoundKind::tube
+                       ? std::max(nodesAlong(round.length, model_.lightSpacing), 2)
+                       : std::clamp(nodesAlong(girth / 2, model_.lightSpacing), 4, 16);
         map.nodes.assign(static_cast<std::size_t>(map.columns * map.rows), glm::dvec3(0));
         sheets_.push_back({map.columns, map.rows, nodes_.size(), &map.nodes});
         const double inset = round.kind == RoundKind::tube ? std::min(kInset / round.length, 0.25) : 0.0;
@@ -154,20 +163,25 @@ class Lighting {
                 const auto first = light.begin() + static_cast<std::ptrdiff_t>(sheet.first);
                 std::vector<glm::dvec3> values(first, first + static_cast<std::ptrdiff_t>(count));
                 std::vector<std::uint8_t> known = isKnown;
-                while (spread(sheet, values, known)) {}
-                for (int i = 0; i < smoothings; ++i) smooth(sheet, values);
+                while (spread(sheet, values, known)) {
+                }
+                for (int i = 0; i < smoothings; ++i)
+                    smooth(sheet, values);
                 return values;
             };
             *sheet.target = filled(lamps, 1);
             const std::vector<glm::dvec3> rest = filled(indirect, 3);
-            for (std::size_t i = 0; i < count; ++i) (*sheet.target)[i] += rest[i];
+            for (std::size_t i = 0; i < count; ++i)
+                (*sheet.target)[i] += rest[i];
         });
         std::vector<glm::dvec3>& mesh = model_.mesh.light;
-        for (std::size_t i = 0; i < mesh.size(); ++i) mesh[i] = lamps[meshFirst_ + i] + indirect[meshFirst_ + i];
+        for (std::size_t i = 0; i < mesh.size(); ++i)
+            mesh[i] = lamps[meshFirst_ + i] + indirect[meshFirst_ + i];
     }
 
     /// One step outwards from the known nodes; false when nothing is left to do.
-    static bool spread(const LightSheet& sheet, std::vector<glm::dvec3>& values, std::vector<std::uint8_t>& isKnown) {
+    static bool spread(const LightSheet& sheet, std::vector<glm::dvec3>& values,
+                       std::vector<std::uint8_t>& isKnown) {
         const std::vector<std::uint8_t> before = isKnown;
         bool hasSpread = false;
         for (int row = 0; row < sheet.rows; ++row)
@@ -198,7 +212,8 @@ class Lighting {
                 const int at = alongRows ? i % sheet.columns : i / sheet.columns;
                 const glm::dvec3 left = before[static_cast<std::size_t>(at > 0 ? i - step : i)];
                 const glm::dvec3 right = before[static_cast<std::size_t>(at < count - 1 ? i + step : i)];
-                values[static_cast<std::size_t>(i)] = (left + right) / 4.0 + before[static_cast<std::size_t>(i)] / 2.0;
+                values[static_cast<std::size_t>(i)] =
+                    (left + right) / 4.0 + before[static_cast<std::size_t>(i)] / 2.0;
             }
         }
     }
@@ -231,8 +246,10 @@ class Lighting {
     glm::dvec3 gathered(std::size_t index, int rays, std::uint8_t& isBuried) const {
         const LightNode& node = nodes_[index];
         const glm::dvec3 across = std::abs(node.normal.z) < 0.9 ? glm::dvec3(0, 0, 1) : glm::dvec3(1, 0, 0);
-        const glm::dvec3 side = glm::normalize(glm::cross(across, node.normal)), up = glm::cross(node.normal, side);
-        // Neighbours turn their rays differently but evenly, so that smoothing makes one dense bundle of them.
+        const glm::dvec3 side = glm::normalize(glm::cross(across, node.normal)),
+                         up = glm::cross(node.normal, side);
+        // Neighbours turn their rays differently but evenly, so that smoothing makes one dense bundle of
+        // them.
         const double turns = node.column * 0.7548776662 + node.row * 0.5698402910,
                      lifts = node.column * 0.5698402910 + node.row * 0.3247179572 * 2.0;
         const double turn = turns - std::floor(turns), lift = lifts - std::floor(lifts);
@@ -255,7 +272,8 @@ class Lighting {
                 ++backs; // inside of something solid: no light
                 continue;
             }
-            sum += meanReflectance_[static_cast<std::size_t>(point.material)] * lightOn(model_, tracer_, point);
+            sum +=
+                meanReflectance_[static_cast<std::size_t>(point.material)] * lightOn(model_, tracer_, point);
         }
         isBuried = backs > rays / 4;
         return sum / static_cast<double>(rays);
@@ -272,7 +290,9 @@ class Lighting {
 
 } // namespace
 
-void lightModel(SyntheticModel& model, const SyntheticTracer& tracer) { Lighting(model, tracer).run(); }
+void lightModel(SyntheticModel& model, const SyntheticTracer& tracer) {
+    Lighting(model, tracer).run();
+}
 
 glm::dvec3 radianceOf(const SyntheticModel& model, const SyntheticTracer& tracer, const SurfacePoint& point) {
     const Material& material = model.materials[static_cast<std::size_t>(point.material)];
@@ -294,7 +314,9 @@ glm::dvec3 skyRadiance(const Sky& sky, const glm::dvec3& direction) {
     return colour;
 }
 
-glm::dvec3 exposed(const glm::dvec3& radiance, double exposure) { return 1.0 - glm::exp(radiance * -exposure); }
+glm::dvec3 exposed(const glm::dvec3& radiance, double exposure) {
+    return 1.0 - glm::exp(radiance * -exposure);
+}
 
 Rgb8 encoded(const glm::dvec3& linear) {
     const auto byte = [](double value) {

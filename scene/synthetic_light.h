@@ -1,6 +1,7 @@
 #pragma once
-// Diffuse light in synthetic scenes: what falls on each surface is gathered once, then a point's colour is its own, the same
-// from every view. Sunlight alone is looked up when a point is shaded, so that shadows have sharp edges.
+// Diffuse light in synthetic scenes: what falls on each surface is gathered once, then a point's colour is
+// its own, the same from every view. Sunlight alone is looked up when a point is shaded, so that shadows have
+// sharp edges.
 
 #include "scene/image.h"
 #include "scene/synthetic_tracer.h"

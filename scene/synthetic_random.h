@@ -1,5 +1,6 @@
 #pragma once
-// Seeded numbers that are the same on every machine and on any number of threads: each is a hash of where it is used.
+// Seeded numbers that are the same on every machine and on any number of threads: each is a hash of where it
+// is used.
 
 #include <cmath>
 #include <cstdint>
@@ -20,7 +21,9 @@ inline std::uint64_t mixBits(std::uint64_t a, std::uint64_t b) {
 }
 
 /// In [0, 1).
-inline double unitOf(std::uint64_t bits) { return static_cast<double>(bits >> 11) * 0x1p-53; }
+inline double unitOf(std::uint64_t bits) {
+    return static_cast<double>(bits >> 11) * 0x1p-53;
+}
 
 /// A sequence of numbers from one seed.
 class SeededSequence {

@@ -1,7 +1,7 @@
 #pragma once
-// Procedural reflectance of synthetic surfaces: a function of the place on the surface alone, so that a point has the
-// same colour from every view. Details are no finer than about a centimetre and have soft edges, so that pictures show
-// texture and not aliasing.
+// Procedural reflectance of synthetic surfaces: a function of the place on the surface alone, so that a point
+// has the same colour from every view. Details are no finer than about a centimetre and have soft edges, so
+// that pictures show texture and not aliasing.
 
 #include <cstdint>
 
@@ -11,29 +11,29 @@ namespace scene {
 
 enum class Pattern : std::uint8_t {
     plain,
-    mottled,  ///< slow noise between base and accent
-    plaster,  ///< faint grain
-    planks,   ///< wooden boards along x, scale wide
-    grain,    ///< one piece of wood along x
-    tiles,    ///< squares of side scale with joints in accent
-    slabs,    ///< as tiles, twice as long as wide and shifted row by row
-    bricks,   ///< running bond, scale long
-    checker,  ///< squares of side scale
-    rug,      ///< an ornament within scale metres around the origin
-    picture,  ///< a painted landscape, scale wide, from the origin
-    chart,    ///< rings, bars and a checker of fine detail, scale wide, from the origin
-    weave,    ///< cloth
-    spine,    ///< the back of a book: bands across y
-    asphalt,  ///< grit, patches, cracks
-    road,     ///< asphalt with the markings of the street corner, in world coordinates
-    pane,     ///< dark window glass with bars in accent, from the origin, sashes scale wide
-    door,     ///< a panelled door with a handle, from the origin, scale wide
-    number,   ///< a plate with the number seed, from the origin, scale wide
-    leaf,     ///< a leaf with veins, around the origin
-    carBody,  ///< paint, glass, lamps and seams of a car, in the car's coordinates
-    wheel,    ///< tyre and rim around the origin, radius scale
-    dial,     ///< a clock's face around the origin, radius scale
-    stripes,  ///< bars of width scale across x
+    mottled, ///< slow noise between base and accent
+    plaster, ///< faint grain
+    planks,  ///< wooden boards along x, scale wide
+    grain,   ///< one piece of wood along x
+    tiles,   ///< squares of side scale with joints in accent
+    slabs,   ///< as tiles, twice as long as wide and shifted row by row
+    bricks,  ///< running bond, scale long
+    checker, ///< squares of side scale
+    rug,     ///< an ornament within scale metres around the origin
+    picture, ///< a painted landscape, scale wide, from the origin
+    chart,   ///< rings, bars and a checker of fine detail, scale wide, from the origin
+    weave,   ///< cloth
+    spine,   ///< the back of a book: bands across y
+    asphalt, ///< grit, patches, cracks
+    road,    ///< asphalt with the markings of the street corner, in world coordinates
+    pane,    ///< dark window glass with bars in accent, from the origin, sashes scale wide
+    door,    ///< a panelled door with a handle, from the origin, scale wide
+    number,  ///< a plate with the number seed, from the origin, scale wide
+    leaf,    ///< a leaf with veins, around the origin
+    carBody, ///< paint, glass, lamps and seams of a car, in the car's coordinates
+    wheel,   ///< tyre and rim around the origin, radius scale
+    dial,    ///< a clock's face around the origin, radius scale
+    stripes, ///< bars of width scale across x
 };
 
 /// Colours are linear reflectances in [0, 1]; emission is radiance that the surface shows by itself.

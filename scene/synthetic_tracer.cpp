@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <limits>
 #include <embree3/rtcore.h>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <limits>
 
 namespace scene {
 
@@ -17,7 +17,8 @@ namespace {
 constexpr unsigned kPatchGeometry = 0, kMeshGeometry = 1, kRoundGeometry = 2;
 constexpr double kTwoPi = 6.283185307179586;
 
-/// Embree's rays are single precision; round surfaces read the exact ray behind the context that Embree hands through.
+/// Embree's rays are single precision; round surfaces read the exact ray behind the context that Embree hands
+/// through.
 struct ExactRay {
     RTCIntersectContext context;
     glm::dvec3 origin, direction;
@@ -64,7 +65,8 @@ Pierced pierce(const Round& round, const glm::dvec3& origin, const glm::dvec3& d
 }
 
 /// First t in (low, high) where the ray meets the round; infinity if none.
-double meet(const Round& round, const glm::dvec3& origin, const glm::dvec3& direction, double low, double high) {
+double meet(const Round& round, const glm::dvec3& origin, const glm::dvec3& direction, double low,
+            double high) {
     constexpr double kNone = std::numeric_limits<double>::infinity();
     if (round.kind == RoundKind::disc) {
         const double t = distanceToPlane(origin, direction, round.origin, round.axis);
@@ -130,11 +132,14 @@ void triangulate(const Patch& patch, Triangles& out) {
     const auto add = [&](double x, double y) { return out.add(patch.origin + patch.u * x + patch.v * y); };
     if (patch.holes.empty()) {
         const std::uint32_t first = static_cast<std::uint32_t>(out.positions.size());
-        for (const glm::dvec2& corner : patch.outline) add(corner.x, corner.y);
-        for (std::uint32_t i = 2; i < patch.outline.size(); ++i) out.triangles.push_back({first, first + i - 1, first + i});
+        for (const glm::dvec2& corner : patch.outline)
+            add(corner.x, corner.y);
+        for (std::uint32_t i = 2; i < patch.outline.size(); ++i)
+            out.triangles.push_back({first, first + i - 1, first + i});
         return;
     }
-    std::vector<double> xs{patch.extent.low.x, patch.extent.high.x}, ys{patch.extent.low.y, patch.extent.high.y};
+    std::vector<double> xs{patch.extent.low.x, patch.extent.high.x},
+        ys{patch.extent.low.y, patch.extent.high.y};
     for (const Rectangle& hole : patch.holes) {
         xs.insert(xs.end(), {hole.low.x, hole.high.x});
         ys.insert(ys.end(), {hole.low.y, hole.high.y});
@@ -148,24 +153,27 @@ void triangulate(const Patch& patch, Triangles& out) {
                 return x > hole.low.x && x < hole.high.x && y > hole.low.y && y < hole.high.y;
             });
             if (open || xs[i] == xs[i + 1] || ys[j] == ys[j + 1]) continue;
-            const std::uint32_t a = add(xs[i], ys[j]), b = add(xs[i + 1], ys[j]), c = add(xs[i + 1], ys[j + 1]),
-                                d = add(xs[i], ys[j + 1]);
+            const std::uint32_t a = add(xs[i], ys[j]), b = add(xs[i + 1], ys[j]),
+                                c = add(xs[i + 1], ys[j + 1]), d = add(xs[i], ys[j + 1]);
             out.triangles.push_back({a, b, c});
             out.triangles.push_back({a, c, d});
         }
 }
 
-void attachTriangles(RTCDevice device, RTCScene rtcScene, unsigned id, const std::vector<glm::dvec3>& positions,
+void attachTriangles(RTCDevice device, RTCScene rtcScene, unsigned id,
+                     const std::vector<glm::dvec3>& positions,
                      const std::vector<std::array<std::uint32_t, 3>>& triangles) {
     if (triangles.empty()) return;
     RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
-    auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                                                                 3 * sizeof(float), positions.size()));
+    auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(
+        geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), positions.size()));
     for (const glm::dvec3& p : positions)
-        for (int axis = 0; axis < 3; ++axis) *vertices++ = static_cast<float>(p[axis]);
+        for (int axis = 0; axis < 3; ++axis)
+            *vertices++ = static_cast<float>(p[axis]);
     auto* indices = static_cast<std::uint32_t*>(rtcSetNewGeometryBuffer(
         geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(std::uint32_t), triangles.size()));
-    for (const auto& triangle : triangles) indices = std::copy(triangle.begin(), triangle.end(), indices);
+    for (const auto& triangle : triangles)
+        indices = std::copy(triangle.begin(), triangle.end(), indices);
     rtcCommitGeometry(geometry);
     rtcAttachGeometryByID(rtcScene, geometry, id);
     rtcReleaseGeometry(geometry);
@@ -176,7 +184,8 @@ void attachTriangles(RTCDevice device, RTCScene rtcScene, unsigned id, const std
 SyntheticTracer::SyntheticTracer(const SyntheticModel& model) : model_(model) {
     device_ = rtcNewDevice(nullptr);
     if (device_ == nullptr)
-        throw Failure("cannot start the ray tracer", std::string("Embree"), "check that this processor has SSE2 and memory is free");
+        throw Failure("cannot start the ray tracer", std::string("Embree"),
+                      "check that this processor has SSE2 and memory is free");
     scene_ = rtcNewScene(device_);
     rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_ROBUST);
 
@@ -226,14 +235,16 @@ std::optional<RayHit> SyntheticTracer::cast(const glm::dvec3& origin, const glm:
         hit.kind = SurfaceKind::mesh;
         const auto& corners = model_.mesh.triangles[hit.index];
         const glm::dvec3 a = model_.mesh.positions[corners[0]];
-        const glm::dvec3 ab = model_.mesh.positions[corners[1]] - a, ac = model_.mesh.positions[corners[2]] - a;
+        const glm::dvec3 ab = model_.mesh.positions[corners[1]] - a,
+                         ac = model_.mesh.positions[corners[2]] - a;
         hit.t = distanceToPlane(origin, direction, a, glm::cross(ab, ac));
     } else {
         hit.kind = SurfaceKind::round;
         // Embree's limit is rounded to a float: leave room for the exact value beside it.
         hit.t = meet(model_.rounds[hit.index], origin, direction, 0.0, found.ray.tfar * 1.000001 + 1e-9);
     }
-    // A ray within a plane, or one that the exact equation just misses: Embree's own answer is the best there is.
+    // A ray within a plane, or one that the exact equation just misses: Embree's own answer is the best there
+    // is.
     if (!std::isfinite(hit.t) || hit.t <= 0) hit.t = found.ray.tfar;
     return hit;
 }
@@ -246,7 +257,8 @@ bool SyntheticTracer::isBlocked(const glm::dvec3& origin, const glm::dvec3& dire
     return ray.tfar < 0;
 }
 
-SurfacePoint SyntheticTracer::surfaceAt(const glm::dvec3& origin, const glm::dvec3& direction, const RayHit& hit) const {
+SurfacePoint SyntheticTracer::surfaceAt(const glm::dvec3& origin, const glm::dvec3& direction,
+                                        const RayHit& hit) const {
     SurfacePoint point;
     point.position = origin + direction * hit.t;
     if (hit.kind == SurfaceKind::patch) {
@@ -292,7 +304,8 @@ SurfacePoint SyntheticTracer::surfaceAt(const glm::dvec3& origin, const glm::dve
         } else {
             point.normal = p / round.radius;
             point.texturePlace = p;
-            point.light = lightFrom(round.light, turn, std::acos(std::clamp(-z / round.radius, -1.0, 1.0)) / kTwoPi * 2.0);
+            point.light = lightFrom(round.light, turn,
+                                    std::acos(std::clamp(-z / round.radius, -1.0, 1.0)) / kTwoPi * 2.0);
         }
         point.normal = glm::normalize(point.normal);
         point.shadingNormal = point.normal;
@@ -302,12 +315,16 @@ SurfacePoint SyntheticTracer::surfaceAt(const glm::dvec3& origin, const glm::dve
 
 glm::dvec3 lightFrom(const LightMap& map, double s, double t) {
     if (map.nodes.empty()) return glm::dvec3(0);
-    const double x = std::clamp(s, 0.0, 1.0) * (map.columns - 1), y = std::clamp(t, 0.0, 1.0) * (map.rows - 1);
+    const double x = std::clamp(s, 0.0, 1.0) * (map.columns - 1),
+                 y = std::clamp(t, 0.0, 1.0) * (map.rows - 1);
     const int i = std::min(static_cast<int>(x), std::max(map.columns - 2, 0));
     const int j = std::min(static_cast<int>(y), std::max(map.rows - 2, 0));
     const int right = std::min(i + 1, map.columns - 1), below = std::min(j + 1, map.rows - 1);
-    const auto node = [&](int column, int row) { return map.nodes[static_cast<std::size_t>(row * map.columns + column)]; };
-    return glm::mix(glm::mix(node(i, j), node(right, j), x - i), glm::mix(node(i, below), node(right, below), x - i), y - j);
+    const auto node = [&](int column, int row) {
+        return map.nodes[static_cast<std::size_t>(row * map.columns + column)];
+    };
+    return glm::mix(glm::mix(node(i, j), node(right, j), x - i),
+                    glm::mix(node(i, below), node(right, below), x - i), y - j);
 }
 
 RoundPlace placeOn(const Round& round, double s, double t) {
