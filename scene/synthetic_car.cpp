@@ -121,7 +121,7 @@ glm::dvec3 welled(glm::dvec3 p) {
     if (std::abs(p.y) < 0.66 || p.z > 0.75) return p;
     for (const double axle : {kAxle, -kAxle}) {
         const double fromAxle = glm::length(glm::dvec2(p.x - axle, p.z - kWheelRadius));
-        p.y = glm::mix(std::copysign(0.58, p.y), p.y, softStep(0.375, 0.02, fromAxle));
+        p.y = glm::mix(std::copysign(0.58, p.y), p.y, softStep(0.335, 0.03, fromAxle));
     }
     return p;
 }
