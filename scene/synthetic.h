@@ -71,7 +71,8 @@ std::optional<Hit> castRay(const SyntheticScene& scene, const glm::dvec3& origin
 
 /// What a perfect camera with depth sees. disparity and flags belong to the ray through the pixel's centre,
 /// with the intersection computed in double precision; colour is the mean over samplesPerPixel rays spread
-/// over the pixel (1: the centre's). Where the centre sees sky: its colour, disparity 0 and kNoSurface.
+/// over the pixel (1: the centre's). The image bears the scene's name. Where the centre sees sky: its colour,
+/// disparity 0 and kNoSurface.
 DepthImage renderTruth(const SyntheticScene& scene, const View& view, int samplesPerPixel = 1);
 
 /// 640 x 480 with 90 degrees across: a wide look round.

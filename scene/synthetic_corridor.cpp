@@ -20,7 +20,7 @@ class Corridor {
     explicit Corridor(std::uint32_t seed) : random_(seed) {
         model_.name = "corridor";
         model_.lightSpacing = 0.13;
-        model_.exposure = 2.2;
+        model_.exposure = 3.0;
         model_.sky.towardsSun = glm::normalize(glm::dvec3(0.86, -0.30, 0.36));
         model_.sky.sun = glm::dvec3(4.2, 3.8, 3.1);
         model_.sky.zenith = glm::dvec3(0.5, 0.9, 1.6);

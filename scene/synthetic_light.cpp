@@ -17,7 +17,7 @@ namespace {
 
 constexpr double kTwoPi = 6.283185307179586;
 constexpr int kLampRays = 16, kMaxNodesAlongEdge = 200;
-constexpr int kRaysOfPass[] = {20, 72}; ///< one gathering for each reflection; the last is what is seen
+constexpr int kRaysOfPass[] = {16, 60}; ///< one gathering for each reflection; the last is what is seen
 constexpr double kLift = 1e-3;          ///< metres a ray starts above its surface
 constexpr double kInset =
     1e-2; ///< metres a light node keeps from the edge of its patch: it must not look behind walls
@@ -26,7 +26,7 @@ constexpr double kInset =
 struct LightNode {
     glm::dvec3 position, normal;
     bool twoSided = false;
-    bool isOutside = false; ///< of its outline: takes its neighbours' light
+    bool isUnseen = false; ///< outside of its outline, or lying on the ground: takes its neighbours' light
     int column = 0, row = 0;
 };
 
@@ -96,13 +96,16 @@ class Lighting {
     }
 
     void run() {
-        std::vector<glm::dvec3> lamps(nodes_.size()), indirect(nodes_.size(), glm::dvec3(0));
+        std::vector<glm::dvec3> lamps(nodes_.size(), glm::dvec3(0)), indirect(lamps);
         std::vector<std::uint8_t> isBuried(nodes_.size());
-        tbb::parallel_for(std::size_t{0}, nodes_.size(), [&](std::size_t i) { lamps[i] = fromLamps(i); });
+        tbb::parallel_for(std::size_t{0}, nodes_.size(), [&](std::size_t i) {
+            if (!nodes_[i].isUnseen) lamps[i] = fromLamps(i);
+        });
         deliver(lamps, indirect, isBuried);
         for (const int rays : kRaysOfPass) {
-            tbb::parallel_for(std::size_t{0}, nodes_.size(),
-                              [&](std::size_t i) { indirect[i] = gathered(i, rays, isBuried[i]); });
+            tbb::parallel_for(std::size_t{0}, nodes_.size(), [&](std::size_t i) {
+                if (!nodes_[i].isUnseen && isBuried[i] == 0) indirect[i] = gathered(i, rays, isBuried[i]);
+            });
             deliver(lamps, indirect, isBuried);
         }
     }
@@ -125,9 +128,10 @@ class Lighting {
                 const glm::dvec2 part(along(column, map.columns), along(row, map.rows));
                 const glm::dvec2 p = glm::clamp(patch.extent.low + part * size, patch.extent.low + inset,
                                                 patch.extent.high - inset);
-                const bool isOutside = map.columns * map.rows > 1 && !isWithin(patch, p);
-                nodes_.push_back({patch.origin + patch.u * p.x + patch.v * p.y, patch.normal, patch.twoSided,
-                                  isOutside, column, row});
+                const glm::dvec3 position = patch.origin + patch.u * p.x + patch.v * p.y;
+                const bool isUnderneath = patch.normal.z < -0.99 && position.z < kLift;
+                const bool isUnseen = isUnderneath || (map.columns * map.rows > 1 && !isWithin(patch, p));
+                nodes_.push_back({position, patch.normal, patch.twoSided, isUnseen, column, row});
             }
     }
 
@@ -158,7 +162,7 @@ class Lighting {
             const std::size_t count = sheet.target->size();
             std::vector<std::uint8_t> isKnown(count);
             for (std::size_t i = 0; i < count; ++i)
-                isKnown[i] = !nodes_[sheet.first + i].isOutside && isBuried[sheet.first + i] == 0;
+                isKnown[i] = !nodes_[sheet.first + i].isUnseen && isBuried[sheet.first + i] == 0;
             const auto filled = [&](const std::vector<glm::dvec3>& light, int smoothings) {
                 const auto first = light.begin() + static_cast<std::ptrdiff_t>(sheet.first);
                 std::vector<glm::dvec3> values(first, first + static_cast<std::ptrdiff_t>(count));
