@@ -193,8 +193,8 @@ int main(int argc, char** argv) {
     CLI::App cli{"Writes a sample RGB-D capture of a synthetic scene whose truth is known: transforms.json, "
                  "images/, depth/ as\n"
                  "nerfstudio has them, and walk.json, a path through the scene.\n\n"
-                 "  make_sample /tmp/room --scene room --images 60\n"
-                 "  make_sample /tmp/corner --scene corner --images 120 --size 1280x960 --noise-mm 4"};
+                 "  make_sample samples/room --scene room --images 60\n"
+                 "  make_sample samples/corner --scene corner --images 120 --size 1280x960 --noise-mm 4"};
     cli.add_option("OUT", options.out, "folder to write; made if it is not there")->required();
     cli.add_option("--scene", options.sceneName,
                    "room: a furnished living room; corner: a street corner where two cars collided; "
