@@ -78,6 +78,13 @@ run unpack "cannot unpack $(basename "$archive")" \
 source=$(find "$part/source" -type d -path '*/src/3rdParty/libE57Format' | head -n 1)
 [ -n "$source" ] || fail "$(basename "$archive") has no src/3rdParty/libE57Format any more"
 
+# Version 2.2.1 wants every index packet to be as long as the longest one, and so refuses what later versions write. An
+# index packet is at least as long as its header.
+run patch "cannot correct how libE57Format reads index packets" \
+    sed -i '/^void IndexPacket::verify/,/^}/ s/packetLength < sizeof( \*this )/packetLength < 16/' "$source/src/Packet.cpp"
+grep -q 'packetLength < 16' "$source/src/Packet.cpp" ||
+    fail "libE57Format's source has changed: see how IndexPacket::verify in src/Packet.cpp checks the length"
+
 say "building it"
 run configure "cmake cannot configure libE57Format" \
     cmake -G Ninja -S "$source" -B "$part/build" -DCMAKE_BUILD_TYPE=Release -DCMAKE_POSITION_INDEPENDENT_CODE=ON \
