@@ -121,9 +121,11 @@ std::vector<ScanSource> listE57(const std::filesystem::path& path, std::vector<s
             if (source.rows == 0 || source.columns == 0) source.rows = source.columns = 0;
             sources.push_back(std::move(source));
         }
-        if (sources.empty() && childCountOf(file, "images2D") > 0)
-            remarks.push_back(path.string() +
-                              " holds photographs but no scan; photographs alone have no depth.");
+        if (!sources.empty()) return;
+        const bool hasPhotographs = childCountOf(file, "images2D") > 0;
+        remarks.push_back(path.string() +
+                          (hasPhotographs ? " holds photographs but no scan; photographs alone have no depth."
+                                          : " holds no scan."));
     });
     return sources;
 }

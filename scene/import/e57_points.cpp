@@ -96,6 +96,8 @@ void proveCount(std::int64_t count, const RecordBits& bits, std::uint64_t fileBy
                 const ScanSource& source) {
     const std::string claim = "scan '" + source.name + "' claims " + std::to_string(count) + " points";
     if (count < 0) throw Failure(claim, source.path, kDamaged);
+    if (count > 0 && bits.all == 0)
+        throw Failure(claim + " and holds no byte for them", source.path, kDamaged);
     if (bits.position == 0 && count > kMaxPointsWithoutBytes)
         throw Failure(claim + " at one place", source.path, kDamaged);
     if (bits.all > 0 &&

@@ -2,8 +2,9 @@
 
 #include "scene/project/cube_layout.h"
 #include "scene/project/grid_mesh.h"
+#include "scene/project/loose_points.h"
 #include "scene/project/pixel_clusters.h"
-#include "scene/project/scan_density.h"
+#include "scene/project/scan_grid.h"
 
 #include <algorithm>
 #include <cassert>
@@ -99,7 +100,7 @@ CubeFaces projectToCubeFaces(const Scan& scan, const CubeFaceOptions& options) {
     report.points = static_cast<std::int64_t>(scan.pointsInScanner.size());
     if (scan.pointsInScanner.empty()) return result;
 
-    const std::optional<ScanGrid> grid = gridOf(scan);
+    const std::optional<ScanGrid> grid = gridOf(scan, options.sameSurface);
     const CubeFrame frame = cubeFrame(scan, grid ? glm::dvec3(0.0) : viewpointOf(scan));
     const AngularSteps steps = grid ? grid->steps : looseSteps(scan, frame.copInScanner);
     report.columnStepRadians = steps.horizontal;
@@ -116,7 +117,7 @@ CubeFaces projectToCubeFaces(const Scan& scan, const CubeFaceOptions& options) {
         DepthImage first = emptyFace(scan, frame, face, camera);
         Image<MeshPixel> mesh;
         if (grid) {
-            mesh = drawGrid(scan, *grid, frame, face, camera, options.sameSurface);
+            mesh = drawGrid(scan, *grid, frame, face, camera);
             paintMesh(scan, *grid, frame, face, mesh, first);
         }
         const PixelClusters clusters =

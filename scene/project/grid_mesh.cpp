@@ -52,22 +52,16 @@ double edge(const Projected& a, const Projected& b, double x, double y) {
 
 class Drawing {
   public:
-    Drawing(const Camera& camera, const AngularSteps& steps, double sameSurface, Image<MeshPixel>& image)
-        : camera_(camera), image_(image), rangeRatio_(1.0 + sameSurface),
-          // Two steps each way and noise: what is farther apart is a hole in the grid or a damaged index.
-          chord_(std::min(4.0 * std::max(steps.horizontal, steps.vertical), 0.5)),
-          // Corners of a square that touches the face lie this far beyond its edge at most.
-          reach_((1.0 + kMeshOverlapPixels * std::max(1 / camera.fx, 1 / camera.fy)) * (1.0 + 4.0 * chord_)) {
-    }
+    Drawing(const Camera& camera, const AngularSteps& steps, Image<MeshPixel>& image)
+        : camera_(camera), image_(image),
+          // Corners of a square that touches the face lie this far beyond its edge at most: linked cells are
+          // no more than four steps apart, which at the edge is twice that in tangents, and a diagonal is two
+          // sides.
+          reach_(1.0 + kMeshOverlapPixels * std::max(1 / camera.fx, 1 / camera.fy) +
+                 16.0 * std::min(std::max(steps.horizontal, steps.vertical), 0.125)) {}
 
     bool mayTouch(const glm::dvec3& p) const {
         return p.z > 0 && std::max(std::abs(p.x), std::abs(p.y)) <= reach_ * p.z;
-    }
-
-    bool isSurface(const Vertex& a, const Vertex& b, const Vertex& c) const {
-        if (std::max({a.range, b.range, c.range}) > rangeRatio_ * std::min({a.range, b.range, c.range}))
-            return false;
-        return areNeighbours(a, b) && areNeighbours(b, c) && areNeighbours(c, a);
     }
 
     void triangle(const Vertex& va, const Vertex& vb, const Vertex& vc, std::uint32_t number) {
@@ -101,10 +95,6 @@ class Drawing {
     }
 
   private:
-    bool areNeighbours(const Vertex& a, const Vertex& b) const {
-        return glm::distance(a.inFace / a.range, b.inFace / b.range) <= chord_;
-    }
-
     static void keepNearer(MeshPixel& pixel, MeshPixel candidate) {
         const std::atomic_ref<MeshPixel> shared(pixel);
         MeshPixel seen = shared.load(std::memory_order_relaxed);
@@ -115,52 +105,51 @@ class Drawing {
 
     const Camera camera_;
     Image<MeshPixel>& image_;
-    double rangeRatio_, chord_, reach_;
+    double reach_;
 };
 
 } // namespace
 
 Image<MeshPixel> drawGrid(const Scan& scan, const ScanGrid& grid, const CubeFrame& frame, int face,
-                          const Camera& camera, double sameSurface) {
+                          const Camera& camera) {
     Image<MeshPixel> image(camera.width, camera.height, 0);
-    Drawing drawing(camera, grid.steps, sameSurface, image);
+    Drawing drawing(camera, grid.steps, image);
     const int width = grid.pointOfCell.width(), squares = grid.closes ? width : width - 1;
 
     const auto drawSquare = [&](int x, int y) {
+        const int right = x + 1 < width ? x + 1 : 0;
+        const std::uint8_t a = grid.links(x, y), b = grid.links(right, y), d = grid.links(x, y + 1);
+        const bool top = a & kLinkRight, left = a & kLinkBelow, bottom = d & kLinkRight,
+                   rightSide = b & kLinkBelow;
+        // A triangle is on one surface if both of its sides along the grid are.
+        const std::array<bool, 4> isSurface{top && left, rightSide && bottom, top && rightSide,
+                                            left && bottom};
+        if (isSurface == std::array<bool, 4>{}) return;
+
         const Square square = squareAt(grid, x, y);
         std::array<Vertex, 4> vertices;
-        int missing = 0, missingCorner = -1;
-        bool touches = false;
-        for (int corner = 0; corner < 4; ++corner) {
-            const auto c = static_cast<std::size_t>(corner);
-            if (square[c] < 0) {
-                ++missing;
-                missingCorner = corner;
-                continue;
-            }
+        for (std::size_t corner = 0; corner < 4; ++corner) {
+            if (square[corner] < 0) continue; // then no side that ends there is linked
             const glm::dvec3 p =
-                frame.inFace(face, scan.pointsInScanner[static_cast<std::size_t>(square[c])]);
+                frame.inFace(face, scan.pointsInScanner[static_cast<std::size_t>(square[corner])]);
             if (!drawing.mayTouch(p)) return;
-            touches = true;
-            vertices[c] = {p, glm::length(p)};
+            vertices[corner] = {p, glm::length(p)};
         }
-        if (!touches || missing > 1) return;
         const auto draw = [&](std::uint32_t kind) {
-            const auto& [a, b, c] = kKinds[kind];
+            if (!isSurface[kind]) return false;
+            const auto& [i, j, k] = kKinds[kind];
             const std::uint32_t cell = static_cast<std::uint32_t>(y) * static_cast<std::uint32_t>(width) +
                                        static_cast<std::uint32_t>(x);
-            if (drawing.isSurface(vertices[a], vertices[b], vertices[c]))
-                drawing.triangle(vertices[a], vertices[b], vertices[c], 4 * cell + kind);
+            drawing.triangle(vertices[i], vertices[j], vertices[k], 4 * cell + kind);
+            return true;
         };
-        if (missing == 1) {
-            constexpr std::array<std::uint32_t, 4> kKindWithout{1, 3, 2, 0}; // a, b, d, e
-            draw(kKindWithout[static_cast<std::size_t>(missingCorner)]);
-        } else if (std::abs(vertices[kB].range - vertices[kD].range) <=
-                   std::abs(vertices[kA].range - vertices[kE].range)) {
-            draw(0), draw(1);
-        } else {
-            draw(2), draw(3);
-        }
+        // The diagonal along which the range changes less follows an edge better; the other one serves where
+        // only its triangle is a surface.
+        const bool fallsB = std::abs(vertices[kB].range - vertices[kD].range) <=
+                            std::abs(vertices[kA].range - vertices[kE].range);
+        const std::uint32_t first = fallsB ? 0 : 2, second = fallsB ? 2 : 0;
+        const bool drawn = draw(first) | draw(first + 1);
+        if (!drawn && !draw(second)) draw(second + 1);
     };
     tbb::parallel_for(tbb::blocked_range<int>(0, grid.pointOfCell.height() - 1),
                       [&](const tbb::blocked_range<int>& rows) {

@@ -3,7 +3,7 @@
 
 #include "scene/image.h"
 #include "scene/project/cube_layout.h"
-#include "scene/project/scan_density.h"
+#include "scene/project/scan_grid.h"
 #include "scene/scan.h"
 
 #include <array>
@@ -27,11 +27,10 @@ inline std::uint32_t triangleOf(MeshPixel pixel) {
     return static_cast<std::uint32_t>(pixel);
 }
 
-/// Draws every triangle of neighbouring cells whose ranges differ by at most sameSurface (relative) and whose
-/// directions are neighbours indeed. Disparity is interpolated as an affine function of the image, which is
-/// exact for planes.
+/// Draws every triangle of neighbouring cells that are linked along both of its sides. Disparity is
+/// interpolated as an affine function of the image, which is exact for planes.
 Image<MeshPixel> drawGrid(const Scan& scan, const ScanGrid& grid, const CubeFrame& frame, int face,
-                          const Camera& camera, double sameSurface);
+                          const Camera& camera);
 
 /// The points at a triangle's corners.
 std::array<std::int32_t, 3> cornersOf(const ScanGrid& grid, std::uint32_t triangle);
