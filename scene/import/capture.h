@@ -36,7 +36,7 @@ struct ScanSource {
     std::filesystem::path path;
     ScanFormat format = ScanFormat::e57;
     int indexInFile = 0;
-    std::uint64_t byteInFile = 0; ///< where its points start (PTX); 0 otherwise
+    std::uint64_t byteInFile = 0; ///< where its header starts (PTX); 0 otherwise
     Pose worldFromScanner;
     std::int64_t pointCount = 0; ///< as the file says, invalid ones included
     int rows = 0, columns = 0;   ///< 0: unstructured

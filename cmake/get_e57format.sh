@@ -1,0 +1,104 @@
+#!/bin/bash
+# get_e57format.sh PREFIX: libE57Format, static and position independent, under PREFIX/include and PREFIX/lib.
+#
+# Debian 12 has no package of it, but carries its source within that of freecad. Only the upstream archive of that source
+# package is fetched, through a private apt configuration whose mirror and keys are those the machine's own apt uses;
+# apt checks it against the signed index. Nothing of the machine's apt configuration is changed.
+#
+# PREFIX appears by one rename when everything is built, so that a killed run leaves no half library; a second run finds
+# the stamp and does nothing.
+set -euo pipefail
+
+prefix=$(realpath -m "${1:?usage: get_e57format.sh PREFIX}")
+stamp="$prefix/.stamp"
+part="$prefix.part"
+version=$(sha256sum "$(realpath "$0")" | cut -c1-16)
+
+say() { printf 'get_e57format: %s\n' "$*" >&2; }
+fail() { say "$*"; exit 1; }
+# run LOG-NAME WHAT-FAILED COMMAND...: quiet unless it fails.
+run() {
+    local log="$part/$1.log" what=$2
+    shift 2
+    "$@" >"$log" 2>&1 </dev/null || { tail -n 25 "$log" >&2; fail "$what (the last lines of its output stand above)"; }
+}
+
+mkdir -p "$(dirname "$prefix")" || fail "cannot create $(dirname "$prefix")"
+exec 9>"$prefix.lock" || fail "cannot write $prefix.lock"
+flock 9 || fail "cannot lock $prefix.lock"
+[ "$(cat "$stamp" 2>/dev/null || true)" = "$version" ] && exit 0
+if [ -e "$prefix" ] && [ ! -e "$stamp" ] && [ -n "$(ls -A "$prefix")" ]; then
+    fail "$prefix holds something else; name an empty or a new folder"
+fi
+
+for tool in apt-get dpkg-source cmake ninja c++ tar xz; do
+    command -v "$tool" >/dev/null || fail "$tool is missing; install the packages that README.md names"
+done
+
+rm -rf "$part"
+mkdir -p "$part"/apt/{lists/partial,cache/archives/partial,sources} "$part"/{download,source,stage} ||
+    fail "cannot write to $part"
+trap 'rm -rf "$part"' EXIT
+trap 'exit 130' INT TERM HUP
+
+# shellcheck disable=SC1091
+codename=$(. /etc/os-release && echo "${VERSION_CODENAME:-}")
+# shellcheck disable=SC2016 # apt expands these
+mirror=$(apt-get indextargets --format '$(SITE)|$(RELEASE)|$(COMPONENT)' 'Created-By: Packages' |
+    awk -F'|' -v release="$codename" '$2 == release && $3 == "main" { print $1; exit }') || true
+[ -n "$mirror" ] || fail "apt knows no main packages of '$codename'; add Debian's own to apt's sources"
+cat >"$part/apt/sources/source.sources" <<END
+Types: deb-src
+URIs: $mirror
+Suites: $codename
+Components: main
+Signed-By: /usr/share/keyrings/debian-archive-keyring.gpg
+END
+# The sandbox user of apt may not reach a folder in somebody's home.
+cat >"$part/apt/apt.conf" <<END
+Dir::Etc::sourcelist "/dev/null";
+Dir::Etc::sourceparts "$part/apt/sources";
+Dir::Etc::preferencesparts "/dev/null";
+Dir::State::lists "$part/apt/lists";
+Dir::Cache "$part/apt/cache";
+APT::Sandbox::User "root";
+Acquire::Languages "none";
+Acquire::Retries "3";
+END
+
+say "fetching the source"
+cd "$part/download"
+run index "apt cannot read the source index of $codename" env APT_CONFIG="$part/apt/apt.conf" apt-get -q update
+run fetch "apt cannot fetch the source of freecad, which carries libE57Format" \
+    env APT_CONFIG="$part/apt/apt.conf" apt-get -q source --tar-only --download-only freecad
+archive=$(find "$part/download" -name 'freecad_*.orig.tar.*' | sort | tail -n 1)
+[ -n "$archive" ] || fail "apt fetched no upstream archive of freecad"
+run unpack "cannot unpack $(basename "$archive")" \
+    tar -xf "$archive" -C "$part/source" --wildcards '*/src/3rdParty/libE57Format/*'
+source=$(find "$part/source" -type d -path '*/src/3rdParty/libE57Format' | head -n 1)
+[ -n "$source" ] || fail "$(basename "$archive") has no src/3rdParty/libE57Format any more"
+
+# Version 2.2.1 wants every index packet to be as long as the longest one, and so refuses what later versions write. An
+# index packet is at least as long as its header.
+run patch "cannot correct how libE57Format reads index packets" \
+    sed -i '/^void IndexPacket::verify/,/^}/ s/packetLength < sizeof( \*this )/packetLength < 16/' "$source/src/Packet.cpp"
+grep -q 'packetLength < 16' "$source/src/Packet.cpp" ||
+    fail "libE57Format's source has changed: see how IndexPacket::verify in src/Packet.cpp checks the length"
+
+say "building it"
+run configure "cmake cannot configure libE57Format" \
+    cmake -G Ninja -S "$source" -B "$part/build" -DCMAKE_BUILD_TYPE=Release -DCMAKE_POSITION_INDEPENDENT_CODE=ON \
+    -DBUILD_SHARED_LIBS=OFF -DCMAKE_INSTALL_PREFIX="$part/stage" -DCMAKE_INSTALL_LIBDIR=lib
+run build "libE57Format does not compile" ninja -C "$part/build" -j "${JOBS:-$(nproc)}" install
+# freecad's copy installs the library and one generated header alone; all headers go into one folder.
+headers="$part/stage/include/E57Format"
+mkdir -p "$headers"
+cp "$source"/include/*.h "$headers/" || fail "libE57Format's source has no headers in include/"
+[ -e "$headers/E57Export.h" ] || fail "the build left no E57Export.h"
+cp "$source"/LICENSE* "$part/stage/" 2>/dev/null || true
+[ -e "$part/stage/lib/libE57Format.a" ] || fail "the build left no lib/libE57Format.a"
+
+echo "$version" >"$part/stage/.stamp"
+rm -rf "$prefix"
+mv "$part/stage" "$prefix" || fail "cannot move the finished library to $prefix"
+say "$prefix is ready"

@@ -1,0 +1,36 @@
+#include "scene/import/local_origin.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include <glm/geometric.hpp>
+
+namespace scene {
+namespace {
+
+double medianOf(std::vector<double>& values) {
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    return *middle;
+}
+
+} // namespace
+
+std::optional<glm::dvec3> localOrigin(std::span<const glm::dvec3> points) {
+    if (points.empty()) return std::nullopt;
+    glm::dvec3 centre{0.0};
+    std::vector<double> values(points.size());
+    for (int axis = 0; axis < 3; ++axis) {
+        for (std::size_t i = 0; i < points.size(); ++i)
+            values[i] = points[i][axis];
+        centre[axis] = std::round(medianOf(values));
+    }
+    for (std::size_t i = 0; i < points.size(); ++i)
+        values[i] = glm::distance(points[i], centre);
+    const double extent = medianOf(values), away = glm::length(centre);
+    if (!std::isfinite(away) || away < kFarMetres || away < 4.0 * extent) return std::nullopt;
+    return centre;
+}
+
+} // namespace scene

@@ -1,0 +1,61 @@
+#pragma once
+// The six faces of the cube about a scanner: how each looks, which points are its own, and how large its
+// image must be.
+//
+//                 up                 Faces look along the scanner's axes, turned about its +Z so that a
+//                 scanner that saw
+//      left front right back         a part of the horizon has the middle of it in front. Side faces have +Z
+//      up; up and
+//                down                down are what one sees after tilting the head up or down from the front.
+
+#include "scene/camera.h"
+#include "scene/project/cube_faces.h"
+#include "scene/scan.h"
+
+#include <array>
+
+#include <glm/mat3x3.hpp>
+#include <glm/vec3.hpp>
+
+namespace scene {
+
+inline constexpr int kFaceCount = 6;
+inline constexpr std::array<const char*, kFaceCount> kFaceNames{"front", "left", "back",
+                                                                "right", "up",   "down"};
+/// Points nearer to the centre of projection than this have no disparity that is worth storing.
+inline constexpr double kNearestMetres = 1e-4;
+
+/// Where the cube stands and how it is turned. Face axes: x right, y down, z forward.
+struct CubeFrame {
+    glm::dvec3 copInScanner{0.0};
+    std::array<glm::dmat3, kFaceCount> faceFromScanner;
+
+    glm::dvec3 inFace(int face, const glm::vec3& pInScanner) const {
+        return faceFromScanner[static_cast<std::size_t>(face)] * (glm::dvec3(pInScanner) - copInScanner);
+    }
+    /// The face whose axis is nearest to the point's direction; -1 if it is nearer to the centre than
+    /// kNearestMetres.
+    int faceOf(const glm::vec3& pInScanner) const;
+};
+
+CubeFrame cubeFrame(const Scan& scan, const glm::dvec3& copInScanner);
+
+/// Angles between neighbouring samples, radians.
+struct AngularSteps {
+    double horizontal = 0, vertical = 0;
+};
+
+/// The image of one face; width 0 if no point is its own. Cropped to what the scan covers. Where the scan is
+/// a mesh, a face reaches kMeshOverlapPixels beyond its 90 degrees, so that no seam opens between the meshes
+/// of two faces.
+struct FaceLayout {
+    Camera camera;
+    bool coarserThanScan = false; ///< maxFaceSize did not allow the scan's own density
+};
+inline constexpr int kMeshOverlapPixels = 2;
+
+std::array<FaceLayout, kFaceCount> layOutFaces(const Scan& scan, const CubeFrame& frame,
+                                               const AngularSteps& steps, bool isMesh,
+                                               const CubeFaceOptions& options);
+
+} // namespace scene
