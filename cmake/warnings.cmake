@@ -5,6 +5,7 @@ target_compile_options(revisit_flags INTERFACE -Wall -Wextra -Wpedantic -Wshadow
     # The processor must round as the shaders do: the CPU warp is the oracle the GPU is compared with.
     -ffp-contract=off)
 if(REVISIT_SANITIZE)
-    target_compile_options(revisit_flags INTERFACE -fsanitize=${REVISIT_SANITIZE} -fno-omit-frame-pointer)
+    target_compile_options(revisit_flags INTERFACE -fsanitize=${REVISIT_SANITIZE} -fno-sanitize-recover=all
+        -fno-omit-frame-pointer)
     target_link_options(revisit_flags INTERFACE -fsanitize=${REVISIT_SANITIZE})
 endif()

@@ -1,0 +1,61 @@
+# cmake -D TREE=... -P arrows_catches.cmake: a small tree that keeps the rules passes arrows.cmake, and each way to break
+# one is found, at its line.
+cmake_minimum_required(VERSION 3.25)
+
+# Draws the tree, with one file replaced or added if given, and leaves what arrows.cmake says in `output` and `result`.
+function(look_at_tree_with file text)
+    file(REMOVE_RECURSE ${TREE})
+    file(WRITE ${TREE}/scene/pose.h "#pragma once\n#include <vector>\n")
+    file(WRITE ${TREE}/scene/align/planes.cpp "#include \"scene/pose.h\"\n#include \"scene/import/capture.h\"\n")
+    file(WRITE ${TREE}/render/warp/points.cpp "#include \"render/warp/points.h\"\n\n#include \"scene/pose.h\"\n")
+    file(WRITE ${TREE}/render/shaders/points.comp "#version 450\n#include \"shared/depth.h\"\n")
+    file(WRITE ${TREE}/app/build.cpp "#include \"xr/session.h\"\n#include \"scene/plan/cells.h\"\n")
+    file(WRITE ${TREE}/tests/pose_test.cpp "#include \"render/warp/points.h\"\n#include \"tests/places.h\"\n")
+    if(file)
+        file(WRITE ${TREE}/${file} "${text}")
+    endif()
+    execute_process(COMMAND ${CMAKE_COMMAND} -D ROOT=${TREE} -P ${CMAKE_CURRENT_LIST_DIR}/arrows.cmake
+        RESULT_VARIABLE result OUTPUT_VARIABLE output ERROR_VARIABLE errors)
+    set(result ${result} PARENT_SCOPE)
+    set(output "${output}${errors}" PARENT_SCOPE)
+endfunction()
+
+function(expect_caught file line text)
+    look_at_tree_with(${file} "${text}")
+    string(FIND "${output}" "${file}:${line}: " place)
+    if(result EQUAL 0 OR place EQUAL -1)
+        message(SEND_ERROR "not caught at ${file}:${line}: ${text}\nbut said: ${output}")
+    endif()
+endfunction()
+
+look_at_tree_with("" "")
+if(NOT result EQUAL 0)
+    message(SEND_ERROR "a tree that keeps the rules is refused: ${output}")
+endif()
+
+# Arrows between folders.
+expect_caught(scene/pose.cpp 3 "#include \"scene/pose.h\"\n\n#include \"render/target.h\"\n")
+expect_caught(render/target.cpp 1 "#include \"xr/session.h\"\n")
+expect_caught(render/target.cpp 1 "#include \"input/state.h\"\n")
+expect_caught(render/target.cpp 1 "#include \"app/options.h\"\n")
+expect_caught(render/target.cpp 1 "  #  include \"scene/refine/skins.h\"\n")
+expect_caught(render/shaders/points.comp 2 "#version 450\n#include \"../../scene/refine/skins.h\"\n")
+expect_caught(xr/session.cpp 1 "#include \"render/target.h\"\n")
+expect_caught(input/state.cpp 1 "#include \"xr/session.h\"\n")
+expect_caught(app/walk.cpp 1 "#include \"tests/places.h\"\n")
+expect_caught(scene/align/planes.cpp 1 "#include \"planes.h\"\n")
+# Arrows between the stages of scene.
+expect_caught(scene/pose.h 2 "#pragma once\n#include \"scene/import/capture.h\"\n")
+expect_caught(scene/import/e57.cpp 1 "#include \"scene/align/planes.h\"\n")
+expect_caught(scene/refine/skins.cpp 1 "#include \"scene/plan/cells.h\"\n")
+expect_caught(scene/common/things.cpp 1 "#include \"scene/pose.h\"\n")
+# The rest of the house.
+string(REPEAT "int i[] = {1; 2}\\\n\n" 251 long)
+expect_caught(scene/long.cpp 502 "${long}")
+expect_caught(scene/guard.h 1 "#ifndef GUARD\n")
+string(CONCAT shared "std::shared" "_ptr<int> i;\n")
+expect_caught(scene/shared.cpp 2 "int a[3];\n${shared}")
+foreach(top home root work)
+    expect_caught(tests/CMakeLists.txt 1 "set(data /${top}/data)\n")
+endforeach()
+file(REMOVE_RECURSE ${TREE})
