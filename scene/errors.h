@@ -5,6 +5,8 @@
 // file, a device or an option that cannot be used throws Failure. The program prints what() as one line and exits
 // with status 1.
 
+#include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <stdexcept>
 #include <string>
