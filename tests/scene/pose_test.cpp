@@ -13,14 +13,15 @@ namespace scene {
 namespace {
 
 constexpr int kTrials = 500;
-constexpr double kRounding = 1e-14;                ///< of a rotation's entries after a few products
-constexpr double kFarRoundingMetres = 1e-7;        ///< 10^7 m times a few units in the last place
-constexpr double kTolerance = 1e-3;                ///< as manifests of real captures need
+constexpr double kRounding = 1e-14;         ///< of a rotation's entries after a few products
+constexpr double kFarRoundingMetres = 1e-7; ///< 10^7 m times a few units in the last place
+constexpr double kTolerance = 1e-3;         ///< as manifests of real captures need
 
 double largestEntry(const glm::dmat3& matrix) {
     double largest = 0;
     for (int column = 0; column < 3; ++column)
-        for (int row = 0; row < 3; ++row) largest = std::max(largest, std::abs(matrix[column][row]));
+        for (int row = 0; row < 3; ++row)
+            largest = std::max(largest, std::abs(matrix[column][row]));
     return largest;
 }
 
@@ -46,7 +47,8 @@ TEST(Pose, ProductCarriesPointsOneAfterTheOther) {
 TEST(Pose, ProductIsAssociative) {
     RandomPlaces random(2);
     for (int trial = 0; trial < kTrials; ++trial) {
-        const Pose dFromC = random.pose(10, kFarFromOrigin), cFromB = random.pose(10), bFromA = random.pose(10);
+        const Pose dFromC = random.pose(10, kFarFromOrigin), cFromB = random.pose(10),
+                   bFromA = random.pose(10);
         expectSame((dFromC * cFromB) * bFromA, dFromC * (cFromB * bFromA), kFarRoundingMetres);
     }
 }
@@ -87,7 +89,8 @@ TEST(Pose, RoundedMatrixIsMadeARotationExactly) {
     for (int trial = 0; trial < kTrials; ++trial) {
         glm::dmat4 matrix = toMatrix(random.pose(10));
         for (int column = 0; column < 3; ++column)
-            for (int row = 0; row < 3; ++row) matrix[column][row] = std::round(matrix[column][row] * 1e4) / 1e4;
+            for (int row = 0; row < 3; ++row)
+                matrix[column][row] = std::round(matrix[column][row] * 1e4) / 1e4;
         Pose pose;
         ASSERT_TRUE(poseFromMatrix(matrix, kTolerance, pose));
         expectRotation(pose.rotation);
@@ -108,8 +111,9 @@ class RefusedMatrix : public testing::Test {
 };
 
 TEST_F(RefusedMatrix, NotFiniteAnywhere) {
-    for (const double bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(),
-                             -std::numeric_limits<double>::infinity()})
+    for (const double bad :
+         {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(),
+          -std::numeric_limits<double>::infinity()})
         for (int column = 0; column < 4; ++column)
             for (int row = 0; row < 4; ++row) {
                 glm::dmat4 matrix = good_;
@@ -141,12 +145,15 @@ TEST_F(RefusedMatrix, Mirrored) {
 TEST_F(RefusedMatrix, Sheared) {
     for (int axis = 0; axis < 3; ++axis) {
         glm::dmat4 matrix = good_;
-        matrix[axis] = glm::dvec4(glm::normalize(glm::dvec3(matrix[axis] + 0.01 * matrix[(axis + 1) % 3])), 0.0);
+        matrix[axis] =
+            glm::dvec4(glm::normalize(glm::dvec3(matrix[axis] + 0.01 * matrix[(axis + 1) % 3])), 0.0);
         expectRefused(matrix);
     }
 }
 
-TEST_F(RefusedMatrix, RowMajorTakenForColumnMajor) { expectRefused(glm::transpose(good_)); }
+TEST_F(RefusedMatrix, RowMajorTakenForColumnMajor) {
+    expectRefused(glm::transpose(good_));
+}
 
 TEST_F(RefusedMatrix, LastRowProjective) {
     for (int column = 0; column < 4; ++column) {
@@ -156,7 +163,9 @@ TEST_F(RefusedMatrix, LastRowProjective) {
     }
 }
 
-TEST_F(RefusedMatrix, AllZero) { expectRefused(glm::dmat4(0.0)); }
+TEST_F(RefusedMatrix, AllZero) {
+    expectRefused(glm::dmat4(0.0));
+}
 
 TEST(Pose, QuaternionNeedNotBeNormalised) {
     RandomPlaces random(9);
@@ -166,7 +175,8 @@ TEST(Pose, QuaternionNeedNotBeNormalised) {
         expectRotation(unit.rotation);
         // 1e-160 squared is no longer a number above 0, 1e160 squared no longer finite.
         for (const double scale : {-1.0, 1e-6, 1e6, 1e-160, 1e160})
-            expectSame(poseFromQuaternion({1, 2, 3}, scale * q.x, scale * q.y, scale * q.z, scale * q.w), unit, 1e-300);
+            expectSame(poseFromQuaternion({1, 2, 3}, scale * q.x, scale * q.y, scale * q.z, scale * q.w),
+                       unit, 1e-300);
     }
 }
 

@@ -18,7 +18,9 @@ namespace {
 using Place = std::pair<int, int>;
 using Triangle = std::array<Place, 3>;
 
-bool isKept(std::uint8_t flags) { return isSurface(flags) && (flags & kRedundant) == 0; }
+bool isKept(std::uint8_t flags) {
+    return isSurface(flags) && (flags & kRedundant) == 0;
+}
 
 /// What a random image is made of; shares of samples, from 0 to 1.
 struct Content {
@@ -75,7 +77,8 @@ std::multiset<Triangle> trianglesOf(const DepthImage& image) {
 }
 
 Place placeInImage(const Tile& tile, const TileVertex& vertex) {
-    return {tile.x0 + static_cast<int>(vertex.place & 63), tile.y0 + static_cast<int>(vertex.place >> 6 & 63)};
+    return {tile.x0 + static_cast<int>(vertex.place & 63),
+            tile.y0 + static_cast<int>(vertex.place >> 6 & 63)};
 }
 
 /// The triangles that a renderer draws.
@@ -158,7 +161,8 @@ void expectSamplesAreTrue(const DepthImage& image, const TileSet& set) {
             const TileVertex& vertex = set.vertices[tile.firstVertex + i];
             const auto [x, y] = placeInImage(tile, vertex);
             const Rgb8 c = image.colour(x, y);
-            EXPECT_EQ(vertex.colour, c.r | static_cast<std::uint32_t>(c.g) << 8 | static_cast<std::uint32_t>(c.b) << 16 |
+            EXPECT_EQ(vertex.colour, c.r | static_cast<std::uint32_t>(c.g) << 8 |
+                                         static_cast<std::uint32_t>(c.b) << 16 |
                                          static_cast<std::uint32_t>(image.flags(x, y)) << 24);
             const float truth = image.disparity(x, y);
             const float range = tile.maxDisparity - tile.minDisparity;
@@ -187,7 +191,8 @@ class CutIntoTiles : public testing::TestWithParam<int> {};
 
 TEST_P(CutIntoTiles, ImagesOfAllSizes) {
     unsigned seed = 0;
-    for (const auto& [width, height] : {Place{1, 1}, {1, 9}, {9, 1}, {2, 2}, {5, 3}, {63, 64}, {64, 63}, {65, 97}, {128, 96}}) {
+    for (const auto& [width, height] :
+         {Place{1, 1}, {1, 9}, {9, 1}, {2, 2}, {5, 3}, {63, 64}, {64, 63}, {65, 97}, {128, 96}}) {
         SCOPED_TRACE(std::to_string(width) + "x" + std::to_string(height));
         expectCutRight(drawImage(width, height, ++seed), GetParam());
     }
@@ -214,8 +219,8 @@ TEST_P(CutIntoTiles, AllSkinsArePointsWithoutMesh) {
     EXPECT_TRUE(cutIntoTiles(image, GetParam()).quads.empty());
 }
 
-// The one kept sample stands on a tile's first corner: its triangles reach into the tiles above and to the left, which
-// have nothing else to draw.
+// The one kept sample stands on a tile's first corner: its triangles reach into the tiles above and to the
+// left, which have nothing else to draw.
 TEST_P(CutIntoTiles, OneKeptSampleAmongRedundantOnes) {
     DepthImage image = drawImage(130, 130, 23, {0, 0, 1, 0});
     const int at = GetParam() == 1 ? 64 : GetParam() * (64 / GetParam());
@@ -226,12 +231,18 @@ TEST_P(CutIntoTiles, OneKeptSampleAmongRedundantOnes) {
 
 TEST_P(CutIntoTiles, ExtremeDisparities) {
     constexpr float kTiny = std::numeric_limits<float>::denorm_min();
-    for (const auto& [least, most] : {std::pair{0.0f, 0.0f}, {0.0f, 1e4f}, {0.0f, kTiny}, {1.0f, std::nextafter(1.0f, 2.0f)},
-                                      {1e-5f, 1e-5f}, {1e3f, 1e3f}, {0.0f, 1e30f}}) {
+    for (const auto& [least, most] : {std::pair{0.0f, 0.0f},
+                                      {0.0f, 1e4f},
+                                      {0.0f, kTiny},
+                                      {1.0f, std::nextafter(1.0f, 2.0f)},
+                                      {1e-5f, 1e-5f},
+                                      {1e3f, 1e3f},
+                                      {0.0f, 1e30f}}) {
         SCOPED_TRACE(std::to_string(least) + " to " + std::to_string(most));
         DepthImage image = drawImage(40, 40, 24, {0, 0, 0, 0});
         for (int y = 0; y < 40; ++y)
-            for (int x = 0; x < 40; ++x) image.disparity(x, y) = (x * 7 + y * 3) % 5 < 2 ? least : most;
+            for (int x = 0; x < 40; ++x)
+                image.disparity(x, y) = (x * 7 + y * 3) % 5 < 2 ? least : most;
         expectCutRight(image, GetParam());
     }
 }
@@ -251,7 +262,8 @@ TEST_P(CutIntoTiles, LeastDisparityComesBackExactly) {
         }
 }
 
-INSTANTIATE_TEST_SUITE_P(TileSizes, CutIntoTiles, testing::Values(1, 7, 32, 63), testing::PrintToStringParamName());
+INSTANTIATE_TEST_SUITE_P(TileSizes, CutIntoTiles, testing::Values(1, 7, 32, 63),
+                         testing::PrintToStringParamName());
 
 } // namespace
 } // namespace scene

@@ -28,7 +28,8 @@ glm::dvec3 warped(const glm::dmat4& eyeImageFromSource, const Sample& sample) {
 /// Disparities of surfaces from 0.1 mm to 100 km, and infinity.
 Sample drawSample(RandomPlaces& random, const Camera& camera, int trial) {
     const double logDepth = random.between(std::log(1e-4), std::log(1e5));
-    return {random.between(0, camera.width), random.between(0, camera.height), trial % 8 == 0 ? 0.0 : std::exp(-logDepth)};
+    return {random.between(0, camera.width), random.between(0, camera.height),
+            trial % 8 == 0 ? 0.0 : std::exp(-logDepth)};
 }
 
 class ViewFrom : public testing::TestWithParam<glm::dvec3> {};
@@ -39,15 +40,16 @@ TEST_P(ViewFrom, TheReferencePositionIsTheIdentity) {
         const Camera camera = random.camera();
         const Pose worldFromSource = random.pose(10, GetParam());
         const Sample sample = drawSample(random, camera, trial);
-        const glm::dvec3 seen = warped(eyeImageFromSourceImage({camera, worldFromSource}, camera, worldFromSource), sample);
+        const glm::dvec3 seen =
+            warped(eyeImageFromSourceImage({camera, worldFromSource}, camera, worldFromSource), sample);
         EXPECT_NEAR(seen.x, sample.x, 1e-9);
         EXPECT_NEAR(seen.y, sample.y, 1e-9);
         EXPECT_NEAR(seen.z, sample.disparity, 1e-9 * sample.disparity);
     }
 }
 
-// The truth subtracts the two positions first, which is exact for places within a factor of two of each other: nothing
-// of the distance to the origin may then be left in the result.
+// The truth subtracts the two positions first, which is exact for places within a factor of two of each
+// other: nothing of the distance to the origin may then be left in the result.
 TEST_P(ViewFrom, SamplesAreSeenWhereTheirPointsProject) {
     RandomPlaces random(2);
     int seenCount = 0;
@@ -55,18 +57,20 @@ TEST_P(ViewFrom, SamplesAreSeenWhereTheirPointsProject) {
         const Camera source = random.camera();
         const View eye{random.camera(), random.pose(0.5, GetParam())};
         const Pose worldFromSource = random.pose(0.5, GetParam());
-        const Sample sample{random.between(0, source.width), random.between(0, source.height), random.between(0.5, 20)};
+        const Sample sample{random.between(0, source.width), random.between(0, source.height),
+                            random.between(0.5, 20)};
 
         const glm::dvec3 pInSource = rayThrough(source, sample.x, sample.y) / sample.disparity;
-        const glm::dvec3 eyeToPointInWorld =
-            worldFromSource.rotation * pInSource + (worldFromSource.translation - eye.worldFromEye.translation);
+        const glm::dvec3 eyeToPointInWorld = worldFromSource.rotation * pInSource +
+                                             (worldFromSource.translation - eye.worldFromEye.translation);
         const glm::dvec3 pInEye = glm::transpose(eye.worldFromEye.rotation) * eyeToPointInWorld;
         if (pInEye.z < 1e-3) continue;
         ++seenCount;
 
         const glm::dvec2 truth = project(eye.camera, pInEye);
         const glm::dvec3 seen = warped(eyeImageFromSourceImage(eye, source, worldFromSource), sample);
-        const double slant = 1 + glm::length(truth) / glm::length(glm::dvec2(eye.camera.width, eye.camera.height));
+        const double slant =
+            1 + glm::length(truth) / glm::length(glm::dvec2(eye.camera.width, eye.camera.height));
         EXPECT_LT(glm::length(glm::dvec2(seen) - truth), 1e-8 * slant / pInEye.z);
         EXPECT_NEAR(seen.z * pInEye.z, 1.0, 1e-11 / pInEye.z);
     }
@@ -94,7 +98,9 @@ TEST_P(ViewFrom, ATenthOfAMillimetreFromASurface) {
 }
 
 INSTANTIATE_TEST_SUITE_P(NearAndFar, ViewFrom, testing::Values(glm::dvec3(0.0), kFarFromOrigin),
-                         [](const auto& which) { return which.index == 0 ? "Origin" : "TenThousandKilometres"; });
+                         [](const auto& which) {
+                             return which.index == 0 ? "Origin" : "TenThousandKilometres";
+                         });
 
 TEST(Eyes, StandAsFarApartAsTheyShouldAndLookInParallel) {
     RandomPlaces random(4);
