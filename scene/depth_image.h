@@ -1,6 +1,7 @@
 #pragma once
-// The depth image: the scanner's or camera's own samples (x, y, disparity) with colour, flags and the camera that took them.
-// Nyland, McAllister, Popescu, McCue, Lastra: "Interactive exploration of acquired 3D data", 1999, sections 4.3 to 4.5.
+// The depth image: the scanner's or camera's own samples (x, y, disparity) with colour, flags and the camera
+// that took them. Nyland, McAllister, Popescu, McCue, Lastra: "Interactive exploration of acquired 3D data",
+// 1999, sections 4.3 to 4.5.
 
 #include "scene/camera.h"
 #include "scene/image.h"
@@ -11,21 +12,21 @@
 
 namespace scene {
 
-/// The flag byte of a sample. The mesh of an image has two triangles in each square of four samples; the sample at its
-/// top left carries their skin bits:
+/// The flag byte of a sample. The mesh of an image has two triangles in each square of four samples; the
+/// sample at its top left carries their skin bits:
 ///
 ///     (x, y) ---- (x+1, y)        upper: (x, y), (x+1, y), (x, y+1)
 ///        |   upper /  |           lower: (x+1, y), (x+1, y+1), (x, y+1)
 ///        |   /  lower |
 ///     (x, y+1) -- (x+1, y+1)
 enum SampleFlag : std::uint8_t {
-    kNoSurface = 1 << 0,     ///< no valid range: the sample is not there
-    kSkinUpper = 1 << 1,     ///< the upper triangle bridges a silhouette: a false surface
-    kSkinLower = 1 << 2,     ///< the lower triangle does
-    kFloating = 1 << 3,      ///< other images saw through this sample: it hangs in empty space
-    kRedundant = 1 << 4,     ///< another image keeps this piece of surface
-    kInterpolated = 1 << 5,  ///< resampled between scanner samples that belong to one surface
-    kNoColour = 1 << 6,      ///< the scanner took range only; colour is its intensity in grey, or mid-grey
+    kNoSurface = 1 << 0,    ///< no valid range: the sample is not there
+    kSkinUpper = 1 << 1,    ///< the upper triangle bridges a silhouette: a false surface
+    kSkinLower = 1 << 2,    ///< the lower triangle does
+    kFloating = 1 << 3,     ///< other images saw through this sample: it hangs in empty space
+    kRedundant = 1 << 4,    ///< another image keeps this piece of surface
+    kInterpolated = 1 << 5, ///< resampled between scanner samples that belong to one surface
+    kNoColour = 1 << 6,     ///< the scanner took range only; colour is its intensity in grey, or mid-grey
 };
 
 /// All three images have the camera's size. disparity is 0 where there is no surface or it is infinitely far.
@@ -38,7 +39,9 @@ struct DepthImage {
     Image<std::uint8_t> flags;
 };
 
-inline bool isSurface(std::uint8_t flags) { return (flags & (kNoSurface | kFloating)) == 0; }
+inline bool isSurface(std::uint8_t flags) {
+    return (flags & (kNoSurface | kFloating)) == 0;
+}
 
 /// Bytes that the three pictures of such an image take.
 inline std::size_t bytesOf(const Camera& camera) {

@@ -2,9 +2,9 @@
 // Tiles: the pieces of a depth image that are culled, stored and drawn (Nyland et al. 1999, section 4.5).
 // What stands here is what the GPU reads and what tiles.bin holds, byte for byte.
 //
-// A tile keeps only the samples that are drawn, with disparity quantised between the tile's own extremes, and only the
-// mesh squares that are not skins. Samples that another image keeps stay as border where a square touches a kept one,
-// so that neighbouring pieces overlap by one triangle and no seam opens.
+// A tile keeps only the samples that are drawn, with disparity quantised between the tile's own extremes, and
+// only the mesh squares that are not skins. Samples that another image keeps stay as border where a square
+// touches a kept one, so that neighbouring pieces overlap by one triangle and no seam opens.
 
 #include "scene/depth_image.h"
 
@@ -19,16 +19,17 @@ inline constexpr int kMaxTileSize = 63; ///< a vertex may stand one sample outsi
 inline constexpr std::uint32_t kMaxQuantisedDisparity = (1u << 20) - 1;
 
 /// A sample. place: x | y << 6 | q << 12, x and y from the tile's first sample, q the quantised disparity:
-/// d = minDisparity + q (maxDisparity - minDisparity) / kMaxQuantisedDisparity. colour: r | g << 8 | b << 16 | flags << 24.
+/// d = minDisparity + q (maxDisparity - minDisparity) / kMaxQuantisedDisparity. colour: r | g << 8 | b << 16
+/// | flags << 24.
 struct TileVertex {
     std::uint32_t place = 0, colour = 0;
     friend bool operator==(const TileVertex&, const TileVertex&) = default;
 };
 static_assert(sizeof(TileVertex) == 8);
 
-/// A mesh square by its four vertices, counted from the tile's first: top = i00 | i10 << 16, bottom = i01 | i11 << 16.
-/// kDrawUpper and kDrawLower say which of its two triangles (see SampleFlag) are drawn; a vertex that no drawn triangle
-/// needs is 0.
+/// A mesh square by its four vertices, counted from the tile's first: top = i00 | i10 << 16, bottom = i01 |
+/// i11 << 16. kDrawUpper and kDrawLower say which of its two triangles (see SampleFlag) are drawn; a vertex
+/// that no drawn triangle needs is 0.
 struct TileQuad {
     std::uint32_t top = 0, bottom = 0;
     friend bool operator==(const TileQuad&, const TileQuad&) = default;
@@ -38,8 +39,8 @@ inline constexpr std::uint32_t kDrawUpper = 1u << 15; ///< in top
 inline constexpr std::uint32_t kDrawLower = 1u << 15; ///< in bottom
 inline constexpr std::uint32_t kQuadIndexMask = 0x1fff;
 
-/// firstVertex and firstQuad count within the image's block. The first pointCount vertices are kept samples; the rest is
-/// border, which only the mesh uses. The extremes are over all vertices.
+/// firstVertex and firstQuad count within the image's block. The first pointCount vertices are kept samples;
+/// the rest is border, which only the mesh uses. The extremes are over all vertices.
 struct Tile {
     std::int32_t x0 = 0, y0 = 0; ///< first sample in the image
     float minDisparity = 0, maxDisparity = 0;
@@ -70,9 +71,9 @@ inline TileBlock lend(const TileSet& set, const Camera& camera, const Pose& worl
     return {camera, worldFromCamera, set.tiles, set.vertices, set.quads};
 }
 
-/// Cuts an image into tiles of tileSize x tileSize samples (1 to kMaxTileSize). A sample is kept if it is a surface and not
-/// redundant; a triangle is drawn if it is no skin, its three samples are surfaces and at least one is kept. Tiles
-/// without kept samples and triangles are left out.
+/// Cuts an image into tiles of tileSize x tileSize samples (1 to kMaxTileSize). A sample is kept if it is a
+/// surface and not redundant; a triangle is drawn if it is no skin, its three samples are surfaces and at
+/// least one is kept. Tiles without kept samples and triangles are left out.
 TileSet cutIntoTiles(const DepthImage& image, int tileSize = kDefaultTileSize);
 
 /// Disparity of a vertex of this tile.

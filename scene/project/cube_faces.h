@@ -1,6 +1,7 @@
 #pragma once
-// A scan around a scanner -> planar depth images on the six faces of a cube about it, at the scan's own angular density.
-// Nyland et al. 1999, section 4.3 (planar projection), for scans on a regular grid and for loose points.
+// A scan around a scanner -> planar depth images on the six faces of a cube about it, at the scan's own
+// angular density. Nyland et al. 1999, section 4.3 (planar projection), for scans on a regular grid and for
+// loose points.
 
 #include "scene/depth_image.h"
 #include "scene/scan.h"
@@ -10,21 +11,22 @@
 namespace scene {
 
 struct CubeFaceOptions {
-    int maxFaceSize = 4096;        ///< pixels; a denser scan is projected at this size and the report says so
-    double sameSurface = 0.02;     ///< relative range difference up to which neighbours are one surface
-    int maxLayers = 8;             ///< further images of a face for points that share a pixel but not a surface
+    int maxFaceSize = 4096;    ///< pixels; a denser scan is projected at this size and the report says so
+    double sameSurface = 0.02; ///< relative range difference up to which neighbours are one surface
+    int maxLayers = 8;         ///< further images of a face for points that share a pixel but not a surface
 };
 
 /// What became of the points.
 struct CubeFaceReport {
-    std::int64_t points = 0;   ///< in the scan
-    std::int64_t held = 0;     ///< stand as a sample of some face: the sample of their pixel is on their surface
-    std::int64_t dropped = 0;  ///< at the scanner's origin, or deeper than maxLayers
+    std::int64_t points = 0; ///< in the scan
+    std::int64_t held = 0; ///< stand as a sample of some face: the sample of their pixel is on their surface
+    std::int64_t dropped = 0;                         ///< at the scanner's origin, or deeper than maxLayers
     double columnStepRadians = 0, rowStepRadians = 0; ///< the scan's angular density
 };
 
 struct CubeFaces {
-    std::vector<DepthImage> faces; ///< names SCAN-front, -left, ...; empty faces are left out; layers get -2, -3, ...
+    std::vector<DepthImage>
+        faces; ///< names SCAN-front, -left, ...; empty faces are left out; layers get -2, -3, ...
     CubeFaceReport report;
 };
 
