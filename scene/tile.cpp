@@ -56,7 +56,7 @@ class TileCutter {
     }
 
     std::uint32_t take(int x, int y) {
-        std::uint32_t& index = vertexAt_[static_cast<std::size_t>(y * (width_ + 1) + x)];
+        std::uint32_t& index = vertexAt_[static_cast<std::size_t>(y) * (width_ + 1) + x];
         if (index == kNowhere) {
             index = static_cast<std::uint32_t>(taken_.size());
             taken_.push_back({x, y});

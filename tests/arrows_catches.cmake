@@ -2,13 +2,15 @@
 # one is found, at its line.
 cmake_minimum_required(VERSION 3.25)
 
-# Draws the tree, with one file replaced or added if given, and leaves what arrows.cmake says in `output` and `result`.
+# Writes the tree, with one file replaced or added if given, and leaves what arrows.cmake says in `output` and `result`.
 function(look_at_tree_with file text)
     file(REMOVE_RECURSE ${TREE})
     file(WRITE ${TREE}/scene/pose.h "#pragma once\n#include <vector>\n")
     file(WRITE ${TREE}/scene/align/planes.cpp "#include \"scene/pose.h\"\n#include \"scene/import/capture.h\"\n")
     file(WRITE ${TREE}/render/warp/points.cpp "#include \"render/warp/points.h\"\n\n#include \"scene/pose.h\"\n")
     file(WRITE ${TREE}/render/shaders/points.comp "#version 450\n#include \"shared/depth.h\"\n")
+    file(WRITE ${TREE}/render/shaders/shared/depth.h "#ifndef RENDER_SHADERS_SHARED_DEPTH_H\n#include \"tile.h\"\n")
+    file(WRITE ${TREE}/render/pass.cpp "#include \"spirv/points.comp.h\"\n")
     file(WRITE ${TREE}/app/build.cpp "#include \"xr/session.h\"\n#include \"scene/plan/cells.h\"\n")
     file(WRITE ${TREE}/tests/pose_test.cpp "#include \"render/warp/points.h\"\n#include \"tests/places.h\"\n")
     if(file)
@@ -40,6 +42,8 @@ expect_caught(render/target.cpp 1 "#include \"input/state.h\"\n")
 expect_caught(render/target.cpp 1 "#include \"app/options.h\"\n")
 expect_caught(render/target.cpp 1 "  #  include \"scene/refine/skins.h\"\n")
 expect_caught(render/shaders/points.comp 2 "#version 450\n#include \"../../scene/refine/skins.h\"\n")
+expect_caught(render/shaders/shared/depth.h 1 "int depth;\n")
+expect_caught(scene/tile.cpp 1 "#include \"spirv/points.comp.h\"\n")
 expect_caught(xr/session.cpp 1 "#include \"render/target.h\"\n")
 expect_caught(input/state.cpp 1 "#include \"xr/session.h\"\n")
 expect_caught(app/walk.cpp 1 "#include \"tests/places.h\"\n")
