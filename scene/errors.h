@@ -1,10 +1,13 @@
 #pragma once
-// How the world's failures are told: one exception type that says what is wrong, where, and what to do about it.
+// How the world's failures are told: one exception type that says what is wrong, where, and what to do about
+// it.
 //
-// Three kinds of failure, three answers: our own mistakes are asserted, ordinary absence is std::optional, and a
-// file, a device or an option that cannot be used throws Failure. The program prints what() as one line and exits
-// with status 1.
+// Three kinds of failure, three answers: our own mistakes are asserted, ordinary absence is std::optional,
+// and a file, a device or an option that cannot be used throws Failure. The program prints what() as one line
+// and exits with status 1.
 
+#include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <stdexcept>
 #include <string>

@@ -48,6 +48,7 @@ class Image {
     std::span<T> pixels() { return pixels_; }
     std::span<const T> pixels() const { return pixels_; }
 
+    // NOLINTNEXTLINE(google-explicit-constructor): to lend is no conversion that could surprise
     operator ImageView<const T>() const { return {pixels_.data(), width_, height_, width_}; }
     ImageView<T> view() { return {pixels_.data(), width_, height_, width_}; }
     ImageView<const T> view() const { return *this; }

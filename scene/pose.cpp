@@ -1,5 +1,7 @@
 #include "scene/pose.h"
 
+#include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/gtc/quaternion.hpp>
@@ -44,8 +46,11 @@ bool poseFromMatrix(const glm::dmat4& matrix, double tolerance, Pose& pose) {
 }
 
 Pose poseFromQuaternion(const glm::dvec3& translation, double x, double y, double z, double w) {
+    // Any length will do, also one whose square is no number: the largest component becomes 1 first.
+    const double largest = std::max({std::abs(x), std::abs(y), std::abs(z), std::abs(w)});
+    assert(largest > 0.0 && std::isfinite(largest));
     glm::dquat q;
-    q.x = x, q.y = y, q.z = z, q.w = w;
+    q.x = x / largest, q.y = y / largest, q.z = z / largest, q.w = w / largest;
     return {glm::mat3_cast(glm::normalize(q)), translation};
 }
 

@@ -6,7 +6,8 @@
 //   walk      metres, right-handed, +Y up, -Z forward, floor at Y = 0, as OpenXR
 //   camera    x right, y down, z forward, as OpenCV; an eye is a camera
 //   image     pixel (i, j) covers [i, i + 1) x [j, j + 1); its centre is (i + 1/2, j + 1/2)
-//   disparity generalised: |COP to pixel on the image plane| / |COP to surface|. The image plane stands one metre
+//   disparity generalised: |COP to pixel on the image plane| / |COP to surface|. The image plane stands one
+//   metre
 //             before the COP, so that disparity is 1 / depth along z, in 1/m; 0 is infinitely far
 //   matrices  column vectors, column-major; bFromA carries a point of a into b, so adjacent names cancel:
 //             cFromB * bFromA = cFromA
@@ -33,8 +34,8 @@ Pose inverse(const Pose& bFromA);
 
 glm::dmat4 toMatrix(const Pose& bFromA);
 
-/// The pose in a 4x4 matrix: finite, last row 0 0 0 1, rotation orthonormal within tolerance and right-handed (it is
-/// then made exactly so). Returns false and leaves pose alone otherwise.
+/// The pose in a 4x4 matrix: finite, last row 0 0 0 1, rotation orthonormal within tolerance and right-handed
+/// (it is then made exactly so). Returns false and leaves pose alone otherwise.
 bool poseFromMatrix(const glm::dmat4& matrix, double tolerance, Pose& pose);
 
 /// As OpenXR and glTF write it; the quaternion (x, y, z, w) need not be normalised but must not be zero.

@@ -1,5 +1,6 @@
 #pragma once
-// A laser scan as its file holds it: points around a scanner, on a grid of rows and columns where the scanner kept one.
+// A laser scan as its file holds it: points around a scanner, on a grid of rows and columns where the scanner
+// kept one.
 
 #include "scene/image.h"
 #include "scene/pose.h"
@@ -13,17 +14,19 @@
 namespace scene {
 
 /// Points are single precision relative to the scanner's origin (worldFromScanner carries the large numbers).
-/// Structured: row and column have an entry for each point, 0 <= row < rows, 0 <= column < columns; cells that returned
-/// nothing are simply absent. Unstructured: rows = columns = 0 and both are empty.
+/// Structured: row and column have an entry for each point, 0 <= row < rows, 0 <= column < columns; cells
+/// that returned nothing are simply absent. Unstructured: rows = columns = 0 and both are empty.
 struct Scan {
     std::string name; ///< unique within a capture; becomes a file name
     Pose worldFromScanner;
     int rows = 0, columns = 0;
     std::vector<glm::vec3> pointsInScanner;
-    std::vector<Rgb8> colours; ///< one for each point; from intensity (grey) or mid-grey where the scan has no colour
+    std::vector<Rgb8>
+        colours; ///< one for each point; from intensity (grey) or mid-grey where the scan has no colour
     bool hasColour = false;
     std::vector<std::int32_t> row, column;
-    std::int64_t invalidPoints = 0; ///< points the file marks invalid or that are not finite; not among the points
+    std::int64_t invalidPoints =
+        0; ///< points the file marks invalid or that are not finite; not among the points
 };
 
 } // namespace scene

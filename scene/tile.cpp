@@ -11,7 +11,9 @@ namespace {
 
 constexpr std::uint32_t kNowhere = std::numeric_limits<std::uint32_t>::max();
 
-bool isKept(std::uint8_t flags) { return isSurface(flags) && (flags & kRedundant) == 0; }
+bool isKept(std::uint8_t flags) {
+    return isSurface(flags) && (flags & kRedundant) == 0;
+}
 
 Tier tierOf(std::uint8_t flags) { return (flags & kDirectional) != 0 ? Tier::directional : Tier::base; }
 
@@ -36,7 +38,8 @@ class TileCutter {
         tile.pointCount = static_cast<std::uint32_t>(taken_.size());
 
         for (int y = 0; y < height_; ++y)
-            for (int x = 0; x < width_; ++x) appendQuad(x, y, set);
+            for (int x = 0; x < width_; ++x)
+                appendQuad(x, y, set);
         tile.vertexCount = static_cast<std::uint32_t>(taken_.size());
         tile.quadCount = static_cast<std::uint32_t>(set.quads.size()) - tile.firstQuad;
         if (taken_.empty()) return;
@@ -56,7 +59,7 @@ class TileCutter {
     }
 
     std::uint32_t take(int x, int y) {
-        std::uint32_t& index = vertexAt_[static_cast<std::size_t>(y * (width_ + 1) + x)];
+        std::uint32_t& index = vertexAt_[static_cast<std::size_t>(y) * (width_ + 1) + x];
         if (index == kNowhere) {
             index = static_cast<std::uint32_t>(taken_.size());
             taken_.push_back({x, y});
@@ -82,7 +85,8 @@ class TileCutter {
         if (!upper && !lower) return;
         const std::uint32_t i10 = take(x + 1, y), i01 = take(x, y + 1);
         const std::uint32_t i00 = upper ? take(x, y) : 0, i11 = lower ? take(x + 1, y + 1) : 0;
-        set.quads.push_back({i00 | i10 << 16 | (upper ? kDrawUpper : 0), i01 | i11 << 16 | (lower ? kDrawLower : 0)});
+        set.quads.push_back(
+            {i00 | i10 << 16 | (upper ? kDrawUpper : 0), i01 | i11 << 16 | (lower ? kDrawLower : 0)});
     }
 
     void quantise(Tile& tile, TileSet& set) const {
@@ -99,11 +103,13 @@ class TileCutter {
         for (const Place& place : taken_) {
             const int x = x0_ + place.x, y = y0_ + place.y;
             const double above = static_cast<double>(image_.disparity(x, y)) - tile.minDisparity;
-            const auto q = std::min(static_cast<std::uint32_t>(std::lround(above * scale)), kMaxQuantisedDisparity);
+            const auto q =
+                std::min(static_cast<std::uint32_t>(std::lround(above * scale)), kMaxQuantisedDisparity);
             const Rgb8 c = image_.colour(x, y);
-            set.vertices.push_back({static_cast<std::uint32_t>(place.x) | static_cast<std::uint32_t>(place.y) << 6 | q << 12,
-                                    c.r | static_cast<std::uint32_t>(c.g) << 8 | static_cast<std::uint32_t>(c.b) << 16 |
-                                        static_cast<std::uint32_t>(image_.flags(x, y)) << 24});
+            set.vertices.push_back(
+                {static_cast<std::uint32_t>(place.x) | static_cast<std::uint32_t>(place.y) << 6 | q << 12,
+                 c.r | static_cast<std::uint32_t>(c.g) << 8 | static_cast<std::uint32_t>(c.b) << 16 |
+                     static_cast<std::uint32_t>(image_.flags(x, y)) << 24});
         }
     }
 

@@ -1,6 +1,6 @@
 #pragma once
-// What a capture consists of, read from its headers and manifests alone; pixels and points are read one item at a time, so
-// that a capture of any size streams through the build.
+// What a capture consists of, read from its headers and manifests alone; pixels and points are read one item
+// at a time, so that a capture of any size streams through the build.
 
 #include "scene/camera.h"
 #include "scene/pose.h"
@@ -18,7 +18,8 @@ struct Distortion {
     friend bool operator==(const Distortion&, const Distortion&) = default;
 };
 
-/// A photograph with its registered depth: two picture files. depthUnitMetres is what one step of a 16 bit depth value is.
+/// A photograph with its registered depth: two picture files. depthUnitMetres is what one step of a 16 bit
+/// depth value is.
 struct PhotoSource {
     std::string name; ///< unique within the capture
     std::filesystem::path colourPath, depthPath;

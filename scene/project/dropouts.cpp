@@ -1,0 +1,112 @@
+#include "scene/project/dropouts.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <span>
+#include <vector>
+
+#include <tbb/parallel_for.h>
+
+namespace scene {
+
+namespace {
+
+struct Neighbour {
+    int dx, dy;
+    float disparity, weight;
+};
+
+/// Sums for the plane d = a + b dx + c dy through the members of a cluster, by weighted least squares.
+struct PlaneSums {
+    double w = 0, x = 0, y = 0, xx = 0, xy = 0, yy = 0, d = 0, xd = 0, yd = 0;
+
+    void add(const Neighbour& n) {
+        const double weight = n.weight, dx = n.dx, dy = n.dy, disparity = n.disparity;
+        w += weight, x += weight * dx, y += weight * dy;
+        xx += weight * dx * dx, xy += weight * dx * dy, yy += weight * dy * dy;
+        d += weight * disparity, xd += weight * dx * disparity, yd += weight * dy * disparity;
+    }
+
+    /// Disparity of the plane at the centre; the weighted mean where the members do not span a plane.
+    double atCentre() const {
+        const double mx = x / w, my = y / w, md = d / w;
+        const double sxx = xx / w - mx * mx, sxy = xy / w - mx * my, syy = yy / w - my * my;
+        const double sxd = xd / w - mx * md, syd = yd / w - my * md;
+        const double determinant = sxx * syy - sxy * sxy;
+        if (determinant < 1e-3 * (sxx + syy) * (sxx + syy) || sxx + syy < 0.25) return md;
+        const double b = (sxd * syy - syd * sxy) / determinant, c = (syd * sxx - sxd * sxy) / determinant;
+        return md - b * mx - c * my;
+    }
+};
+
+/// Whether members lie on opposite sides of the pixel, along x or along y: then it is between them.
+bool isSurrounded(const std::vector<Neighbour>& members) {
+    bool left = false, right = false, above = false, below = false;
+    for (const Neighbour& n : members) {
+        left |= n.dx < 0 && std::abs(n.dy) <= -n.dx, right |= n.dx > 0 && std::abs(n.dy) <= n.dx;
+        above |= n.dy < 0 && std::abs(n.dx) <= -n.dy, below |= n.dy > 0 && std::abs(n.dx) <= n.dy;
+    }
+    return (left && right) || (above && below);
+}
+
+/// The run of samples of like disparity with the greatest weight; neighbours must be sorted by disparity.
+std::span<const Neighbour> heaviestCluster(const std::vector<Neighbour>& neighbours, float sameSurface) {
+    std::size_t bestFirst = 0, bestLast = 0;
+    float bestWeight = 0;
+    for (std::size_t first = 0, last = 0; first < neighbours.size(); first = last) {
+        float weight = 0;
+        do {
+            weight += neighbours[last].weight;
+            ++last;
+        } while (last < neighbours.size() &&
+                 neighbours[last].disparity - neighbours[last - 1].disparity <= sameSurface * neighbours[last].disparity);
+        if (weight > bestWeight) bestWeight = weight, bestFirst = first, bestLast = last;
+    }
+    return std::span(neighbours).subspan(bestFirst, bestLast - bestFirst);
+}
+
+} // namespace
+
+std::int64_t fillDropouts(DepthImage& image, const DropoutOptions& options) {
+    const int width = image.camera.width, height = image.camera.height, radius = options.radius;
+    Image<float> filled(width, height, 0.f);
+    tbb::parallel_for(0, height, [&](int y) {
+        std::vector<Neighbour> neighbours, members;
+        for (int x = 0; x < width; ++x) {
+            if ((image.flags(x, y) & kNoSurface) == 0) continue;
+            neighbours.clear();
+            for (int j = std::max(y - radius, 0); j <= std::min(y + radius, height - 1); ++j)
+                for (int i = std::max(x - radius, 0); i <= std::min(x + radius, width - 1); ++i) {
+                    if (!isSurface(image.flags(i, j)) || image.disparity(i, j) <= 0) continue;
+                    const auto support = static_cast<float>(radius + 1);
+                    const float weight = (support - static_cast<float>(std::abs(i - x))) * (support - static_cast<float>(std::abs(j - y)));
+                    neighbours.push_back({i - x, j - y, image.disparity(i, j), weight});
+                }
+            if (std::ssize(neighbours) < options.minSamples) continue;
+            std::sort(neighbours.begin(), neighbours.end(), [](const Neighbour& a, const Neighbour& b) {
+                return std::array<float, 3>{a.disparity, static_cast<float>(a.dy), static_cast<float>(a.dx)} <
+                       std::array<float, 3>{b.disparity, static_cast<float>(b.dy), static_cast<float>(b.dx)};
+            });
+            const std::span<const Neighbour> cluster = heaviestCluster(neighbours, options.sameSurface);
+            members.assign(cluster.begin(), cluster.end());
+            if (std::ssize(members) < options.minSamples || !isSurrounded(members)) continue;
+            PlaneSums plane;
+            for (const Neighbour& n : members) plane.add(n);
+            const double disparity = plane.atCentre();
+            filled(x, y) = static_cast<float>(std::clamp(disparity, static_cast<double>(members.front().disparity),
+                                                         static_cast<double>(members.back().disparity)));
+        }
+    });
+    std::int64_t count = 0;
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x) {
+            if (filled(x, y) <= 0) continue;
+            image.disparity(x, y) = filled(x, y);
+            image.flags(x, y) = static_cast<std::uint8_t>((image.flags(x, y) & ~kNoSurface) | kInterpolated);
+            ++count;
+        }
+    return count;
+}
+
+} // namespace scene
