@@ -10,6 +10,8 @@ namespace render {
 
 namespace {
 
+constexpr std::array kPageBindings{Binding::texels, Binding::texels};
+
 constexpr std::uint32_t kTilesPerPiece = 2048; ///< some microseconds of culling: worth a task
 
 /// What of a block's tile goes to the device.
@@ -26,14 +28,14 @@ TileSource sourceOf(const scene::TileBlock& block, const scene::Tile& tile) {
 template <class T>
 Buffer uploadOrDummy(const Device& device, std::vector<T>& values) {
     if (values.empty()) values.emplace_back(); // a buffer cannot be empty; nothing ever reads this one
-    return uploadStorage(device, std::as_bytes(std::span(values)));
+    return uploadTexels(device, std::as_bytes(std::span(values)));
 }
 
 } // namespace
 
 GpuScene::GpuScene(const Device& device, std::span<const scene::TileBlock> blocks, std::size_t pageBytes)
-    : pageLayout_(makeStorageLayout(device, 2)) {
-    layOut(blocks, pageBytes);
+    : pageLayout_(makeSetLayout(device, kPageBindings)) {
+    layOut(blocks, std::min(pageBytes, device.limits().maxTexelBufferElements * kTexelBytes));
     upload(device, blocks);
 }
 
@@ -65,7 +67,7 @@ void GpuScene::layOut(std::span<const scene::TileBlock> blocks, std::size_t page
 
 void GpuScene::upload(const Device& device, std::span<const scene::TileBlock> blocks) {
     if (pages_.empty()) return;
-    pool_ = makeStoragePool(device, pages_.size(), 2 * pages_.size());
+    pool_ = makeSetPool(device, pages_.size(), kPageBindings);
     std::vector<scene::TileVertex> vertices;
     std::vector<scene::TileQuad> quads;
     std::uint32_t page = 0;
@@ -73,8 +75,11 @@ void GpuScene::upload(const Device& device, std::span<const scene::TileBlock> bl
         Page& made = pages_[page];
         made.vertices = uploadOrDummy(device, vertices);
         made.quads = uploadOrDummy(device, quads);
-        made.set = allocateStorageSet(device, pool_, pageLayout_,
-                                      std::array{made.vertices.handle(), made.quads.handle()});
+        made.vertexView = makeTexelView(device, made.vertices);
+        made.quadView = makeTexelView(device, made.quads);
+        const std::array<Bound, 2> bound{
+            {{made.vertices.handle(), made.vertexView}, {made.quads.handle(), made.quadView}}};
+        made.set = allocateSet(device, pool_, pageLayout_, bound);
         bytesResident_ += made.vertices.size() + made.quads.size();
         vertices.clear(), quads.clear();
     };

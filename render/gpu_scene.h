@@ -13,7 +13,8 @@
 
 namespace render {
 
-/// Half of what the smallest devices let a shader see in one buffer (128 MiB).
+/// Small enough for one allocation and one view on every common device; the few that see less get smaller
+/// pages.
 inline constexpr std::size_t kPageBytes = std::size_t{64} << 20;
 
 /// A tile as the draw list needs it; positions count within its page.
@@ -47,13 +48,14 @@ class GpuScene {
     std::size_t pageCount() const { return pages_.size(); }
     std::size_t bytesResident() const { return bytesResident_; }
 
-    /// Binding 0: vertices, 1: quads.
+    /// Binding 0: vertices, 1: quads, both as texels.
     VkDescriptorSetLayout pageLayout() const { return pageLayout_; }
     VkDescriptorSet pageSet(std::size_t page) const { return pages_[page].set; }
 
   private:
     struct Page {
         Buffer vertices, quads;
+        BufferView vertexView, quadView;
         VkDescriptorSet set = VK_NULL_HANDLE;
     };
     void layOut(std::span<const scene::TileBlock> blocks, std::size_t pageBytes);

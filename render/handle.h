@@ -32,6 +32,7 @@ class Handle {
 };
 
 using BufferHandle = Handle<VkBuffer, &vkDestroyBuffer>;
+using BufferView = Handle<VkBufferView, &vkDestroyBufferView>;
 using CommandPool = Handle<VkCommandPool, &vkDestroyCommandPool>;
 using DescriptorPool = Handle<VkDescriptorPool, &vkDestroyDescriptorPool>;
 using DescriptorSetLayout = Handle<VkDescriptorSetLayout, &vkDestroyDescriptorSetLayout>;

@@ -33,6 +33,11 @@ ShaderModule makeModule(const Device& device, std::span<const std::uint32_t> cod
     return {device, module};
 }
 
+VkDescriptorType typeOf(Binding binding) {
+    return binding == Binding::texels ? VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER
+                                      : VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+}
+
 } // namespace
 
 ComputePipeline makeComputePipeline(const Device& device, std::span<const std::uint32_t> code,
@@ -61,11 +66,11 @@ ComputePipeline makeComputePipeline(const Device& device, std::span<const std::u
     return made;
 }
 
-DescriptorSetLayout makeStorageLayout(const Device& device, int bindings) {
+DescriptorSetLayout makeSetLayout(const Device& device, std::span<const Binding> bindings) {
     std::vector<VkDescriptorSetLayoutBinding> all;
-    for (int i = 0; i < bindings; ++i)
-        all.push_back({static_cast<std::uint32_t>(i), VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1,
-                       VK_SHADER_STAGE_COMPUTE_BIT, nullptr});
+    for (std::size_t i = 0; i < bindings.size(); ++i)
+        all.push_back(
+            {static_cast<std::uint32_t>(i), typeOf(bindings[i]), 1, VK_SHADER_STAGE_COMPUTE_BIT, nullptr});
     VkDescriptorSetLayoutCreateInfo info{};
     info.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO;
     info.bindingCount = static_cast<std::uint32_t>(all.size());
@@ -75,20 +80,22 @@ DescriptorSetLayout makeStorageLayout(const Device& device, int bindings) {
     return {device, layout};
 }
 
-DescriptorPool makeStoragePool(const Device& device, std::size_t sets, std::size_t buffers) {
-    const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, static_cast<std::uint32_t>(buffers)};
+DescriptorPool makeSetPool(const Device& device, std::size_t sets, std::span<const Binding> bindings) {
+    std::vector<VkDescriptorPoolSize> sizes;
+    for (const Binding binding : bindings)
+        sizes.push_back({typeOf(binding), static_cast<std::uint32_t>(sets)});
     VkDescriptorPoolCreateInfo info{};
     info.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO;
     info.maxSets = static_cast<std::uint32_t>(sets);
-    info.poolSizeCount = 1;
-    info.pPoolSizes = &size;
+    info.poolSizeCount = static_cast<std::uint32_t>(sizes.size());
+    info.pPoolSizes = sizes.data();
     VkDescriptorPool pool = VK_NULL_HANDLE;
     check(vkCreateDescriptorPool(device, &info, nullptr, &pool));
     return {device, pool};
 }
 
-VkDescriptorSet allocateStorageSet(const Device& device, VkDescriptorPool pool, VkDescriptorSetLayout layout,
-                                   std::span<const VkBuffer> buffers) {
+VkDescriptorSet allocateSet(const Device& device, VkDescriptorPool pool, VkDescriptorSetLayout layout,
+                            std::span<const Bound> buffers) {
     VkDescriptorSetAllocateInfo allocate{};
     allocate.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO;
     allocate.descriptorPool = pool;
@@ -98,14 +105,16 @@ VkDescriptorSet allocateStorageSet(const Device& device, VkDescriptorPool pool, 
     check(vkAllocateDescriptorSets(device, &allocate, &set));
 
     for (std::size_t i = 0; i < buffers.size(); ++i) {
-        const VkDescriptorBufferInfo whole{buffers[i], 0, VK_WHOLE_SIZE};
+        const bool isTexels = buffers[i].texels != VK_NULL_HANDLE;
+        const VkDescriptorBufferInfo whole{buffers[i].buffer, 0, VK_WHOLE_SIZE};
         VkWriteDescriptorSet write{};
         write.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET;
         write.dstSet = set;
         write.dstBinding = static_cast<std::uint32_t>(i);
         write.descriptorCount = 1;
-        write.descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+        write.descriptorType = typeOf(isTexels ? Binding::texels : Binding::storage);
         write.pBufferInfo = &whole;
+        write.pTexelBufferView = &buffers[i].texels;
         vkUpdateDescriptorSets(device, 1, &write, 0, nullptr);
     }
     return set;

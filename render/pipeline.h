@@ -22,14 +22,26 @@ ComputePipeline makeComputePipeline(const Device& device, std::span<const std::u
                                     std::uint32_t pushConstantBytes,
                                     std::span<const std::uint32_t> specialisation);
 
-/// bindings storage buffers, numbered from 0, for compute shaders.
-DescriptorSetLayout makeStorageLayout(const Device& device, int bindings);
+/// How a shader sees a buffer.
+enum class Binding {
+    storage, ///< as it is
+    texels   ///< read only, as pairs of 32-bit numbers; software drivers gather these several times faster
+};
 
-/// Room for that many sets with that many storage buffers in all (both at least one).
-DescriptorPool makeStoragePool(const Device& device, std::size_t sets, std::size_t buffers);
+/// Bindings 0, 1, ... of a set, for compute shaders.
+DescriptorSetLayout makeSetLayout(const Device& device, std::span<const Binding> bindings);
 
-/// A set whose binding i is the whole of buffers[i]. It lives as long as the pool.
-VkDescriptorSet allocateStorageSet(const Device& device, VkDescriptorPool pool, VkDescriptorSetLayout layout,
-                                   std::span<const VkBuffer> buffers);
+/// Room for that many sets (at least one) with these bindings each.
+DescriptorPool makeSetPool(const Device& device, std::size_t sets, std::span<const Binding> bindings);
+
+/// A whole buffer at one binding; texels is its view where the binding wants texels.
+struct Bound {
+    VkBuffer buffer = VK_NULL_HANDLE;
+    VkBufferView texels = VK_NULL_HANDLE;
+};
+
+/// A set with these buffers at bindings 0, 1, ... It lives as long as the pool.
+VkDescriptorSet allocateSet(const Device& device, VkDescriptorPool pool, VkDescriptorSetLayout layout,
+                            std::span<const Bound> buffers);
 
 } // namespace render

@@ -94,8 +94,9 @@ Buffer::Buffer(const Device& device, VkDeviceSize size, VkBufferUsageFlags usage
     }
 }
 
-Buffer uploadStorage(const Device& device, std::span<const std::byte> bytes) {
-    Buffer target(device, bytes.size(), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT,
+Buffer uploadTexels(const Device& device, std::span<const std::byte> bytes) {
+    Buffer target(device, bytes.size(),
+                  VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT,
                   MemoryUse::onDevice);
     if (target.mapped() != nullptr) {
         std::memcpy(target.mapped(), bytes.data(), bytes.size());
@@ -105,6 +106,17 @@ Buffer uploadStorage(const Device& device, std::span<const std::byte> bytes) {
     std::memcpy(staging.mapped(), bytes.data(), bytes.size());
     copyAndWait(device, staging, target);
     return target;
+}
+
+BufferView makeTexelView(const Device& device, const Buffer& buffer) {
+    VkBufferViewCreateInfo info{};
+    info.sType = VK_STRUCTURE_TYPE_BUFFER_VIEW_CREATE_INFO;
+    info.buffer = buffer.handle();
+    info.format = VK_FORMAT_R32G32_UINT;
+    info.range = VK_WHOLE_SIZE;
+    VkBufferView view = VK_NULL_HANDLE;
+    check(vkCreateBufferView(device, &info, nullptr, &view));
+    return {device, view};
 }
 
 } // namespace render

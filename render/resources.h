@@ -42,7 +42,13 @@ class Buffer {
     std::byte* mapped_ = nullptr;
 };
 
-/// A storage buffer on the device that holds these bytes (at least one). Waits until they are there.
-Buffer uploadStorage(const Device& device, std::span<const std::byte> bytes);
+/// A buffer of texels on the device that holds these bytes (at least one texel). Waits until they are there.
+Buffer uploadTexels(const Device& device, std::span<const std::byte> bytes);
+
+/// A texel: two 32-bit numbers.
+inline constexpr std::size_t kTexelBytes = 8;
+
+/// The whole buffer as texels. It must have at most limits().maxTexelBufferElements of them.
+BufferView makeTexelView(const Device& device, const Buffer& buffer);
 
 } // namespace render

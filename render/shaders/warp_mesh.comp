@@ -16,8 +16,8 @@
 
 layout(local_size_x_id = 0) in;
 
-layout(std430, set = 0, binding = 0) readonly buffer Vertices { uint64_t vertices[]; };
-layout(std430, set = 0, binding = 1) readonly buffer Quads { uint64_t quads[]; };
+layout(set = 0, binding = 0) uniform usamplerBuffer vertices;
+layout(set = 0, binding = 1) uniform usamplerBuffer quads;
 layout(std430, set = 1, binding = 0) readonly buffer Draws { TileDraw draws[]; };
 layout(std430, set = 1, binding = 1) buffer ZBuffer { uint64_t zBuffer[]; };
 layout(push_constant) uniform Constants { WarpConstants constants; };
@@ -26,54 +26,58 @@ const uint kIndexMask = 0x1fffu, kDrawn = 1u << 15;
 const int kLargeSquare = 256; // pixels of its box
 
 struct Square {
-    Corner topLeft, topRight, bottomLeft, bottomRight;
-    bool upper, lower; // which triangles are drawn
+    vec3 topLeft, topRight, bottomLeft, bottomRight; // projected
+    uint colours[4];                                 // in the same order
+    Triangle upper, lower;                           // (top left or bottom right, top right, bottom left)
     PixelBox box;
 };
 
-bool warpCorner(TileDraw draw, uint index, inout vec2 low, inout vec2 high, bool needed, out Corner corner)
+vec3 warpCorner(TileDraw draw, uint index, out uint colour, out bool isUsable)
 {
-    uvec2 vertex = unpackUint2x32(vertices[draw.span.x + index]);
+    uvec2 vertex = texelFetch(vertices, int(draw.span.x + index)).xy;
     vec4 h = warpSample(draw, vertex.x);
-    corner.seen = project(h);
-    corner.colour = vertex.y;
-    if (needed) {
-        low = min(low, corner.seen.xy);
-        high = max(high, corner.seen.xy);
-    }
-    return isBeforeEye(h);
+    colour = vertex.y;
+    isUsable = isBeforeEye(h);
+    return project(h);
 }
 
 Square warpSquare(TileDraw draw, uint number)
 {
-    uvec2 quad = unpackUint2x32(quads[draw.span.y + number]);
-    Square square;
-    square.upper = (quad.x & kDrawn) != 0u;
-    square.lower = (quad.y & kDrawn) != 0u;
-    vec2 low = vec2(1e30), high = vec2(-1e30);
-    bool shared_ = warpCorner(draw, (quad.x >> 16) & kIndexMask, low, high, true, square.topRight);
-    shared_ = warpCorner(draw, quad.y & kIndexMask, low, high, true, square.bottomLeft) && shared_;
-    square.upper = warpCorner(draw, quad.x & kIndexMask, low, high, square.upper, square.topLeft) && shared_ && square.upper;
-    square.lower = warpCorner(draw, (quad.y >> 16) & kIndexMask, low, high, square.lower, square.bottomRight) && shared_ && square.lower;
-    square.box = pixelsOf(low, high, vec2(constants.width, constants.height));
-    if (!square.upper && !square.lower) square.box.last = square.box.first - 1;
-    return square;
+    uvec2 quad = texelFetch(quads, int(draw.span.y + number)).xy;
+    Square s;
+    bool usable[4];
+    s.topLeft = warpCorner(draw, quad.x & kIndexMask, s.colours[0], usable[0]);
+    s.topRight = warpCorner(draw, (quad.x >> 16) & kIndexMask, s.colours[1], usable[1]);
+    s.bottomLeft = warpCorner(draw, quad.y & kIndexMask, s.colours[2], usable[2]);
+    s.bottomRight = warpCorner(draw, (quad.y >> 16) & kIndexMask, s.colours[3], usable[3]);
+    bool bothUsable = usable[1] && usable[2];
+    bool upper = (quad.x & kDrawn) != 0u && usable[0] && bothUsable;
+    bool lower = (quad.y & kDrawn) != 0u && usable[3] && bothUsable;
+
+    // A triangle that is not drawn collapses onto the diagonal: it has no area, and covers nothing.
+    if (!upper) s.topLeft = s.topRight;
+    if (!lower) s.bottomRight = s.topRight;
+    vec2 low = min(min(s.topLeft.xy, s.topRight.xy), min(s.bottomLeft.xy, s.bottomRight.xy));
+    vec2 high = max(max(s.topLeft.xy, s.topRight.xy), max(s.bottomLeft.xy, s.bottomRight.xy));
+    s.box = pixelsOf(low, high, vec2(constants.width, constants.height));
+    if (!upper && !lower) s.box.last = s.box.first - 1;
+    vec2 origin = vec2(s.box.first) + 0.5f;
+    s.upper = setUp(s.topLeft, s.topRight, s.bottomLeft, origin);
+    s.lower = setUp(s.bottomRight, s.topRight, s.bottomLeft, origin);
+    return s;
 }
 
-uint64_t keyAt(Square square, ivec2 pixel)
+void drawPixel(Square s, ivec2 offset)
 {
-    vec2 centre = vec2(pixel) + 0.5f;
-    uint64_t key = 0ul;
-    if (square.upper) key = packUint2x32(keyOfTriangle(square.topLeft, square.topRight, square.bottomLeft, centre));
-    if (square.lower)
-        key = max(key, packUint2x32(keyOfTriangle(square.topRight, square.bottomRight, square.bottomLeft, centre)));
-    return key;
-}
-
-void drawPixel(Square square, ivec2 pixel)
-{
-    uint64_t key = keyAt(square, pixel);
-    if (key != 0ul) atomicMax(zBuffer[pixel.y * constants.width + pixel.x], key);
+    Covered upper = cover(s.upper, s.topLeft, s.topRight, s.bottomLeft, vec2(offset));
+    Covered lower = cover(s.lower, s.bottomRight, s.topRight, s.bottomLeft, vec2(offset));
+    bool isLower = lower.disparity > upper.disparity;
+    float disparity = max(upper.disparity, lower.disparity);
+    if (disparity < 0.0f) return;
+    uint colour = mixColours(isLower ? s.colours[3] : s.colours[0], s.colours[1], s.colours[2],
+                             isLower ? lower.ofB : upper.ofB, isLower ? lower.ofC : upper.ofC);
+    ivec2 pixel = s.box.first + offset;
+    atomicMax(zBuffer[pixel.y * constants.width + pixel.x], packUint2x32(packKey(disparity, colour, kClassSeen)));
 }
 
 void main()
@@ -84,12 +88,14 @@ void main()
         bool isLarge = false;
         if (number < draw.span.z) {
             Square square = warpSquare(draw, number);
-            ivec2 extent = square.box.last - square.box.first + 1;
-            bool isEmpty = extent.x <= 0 || extent.y <= 0;
-            isLarge = !isEmpty && extent.x * extent.y > kLargeSquare;
-            if (!isEmpty && !isLarge) {
-                for (int y = square.box.first.y; y <= square.box.last.y; ++y)
-                    for (int x = square.box.first.x; x <= square.box.last.x; ++x) drawPixel(square, ivec2(x, y));
+            ivec2 extent = max(square.box.last - square.box.first + 1, 0);
+            int pixels = extent.x * extent.y;
+            isLarge = pixels > kLargeSquare;
+            ivec2 offset = ivec2(0);
+            for (int i = isLarge ? pixels : 0; i < pixels; ++i) {
+                drawPixel(square, offset);
+                offset.x += 1;
+                if (offset.x == extent.x) offset = ivec2(0, offset.y + 1);
             }
         }
         uvec4 large = subgroupBallot(isLarge);
@@ -100,7 +106,7 @@ void main()
             int wide = square.box.last.x - square.box.first.x + 1;
             int pixels = wide * (square.box.last.y - square.box.first.y + 1);
             for (int i = int(gl_SubgroupInvocationID); i < pixels; i += int(gl_SubgroupSize))
-                drawPixel(square, square.box.first + ivec2(i % wide, i / wide));
+                drawPixel(square, ivec2(i % wide, i / wide));
         }
     }
 }

@@ -10,8 +10,7 @@
 
 layout(local_size_x_id = 0) in;
 
-// A vertex is read as one 64-bit word: a software driver pays for each load, not for its width.
-layout(std430, set = 0, binding = 0) readonly buffer Vertices { uint64_t vertices[]; };
+layout(set = 0, binding = 0) uniform usamplerBuffer vertices;
 layout(std430, set = 1, binding = 0) readonly buffer Draws { TileDraw draws[]; };
 layout(std430, set = 1, binding = 1) buffer ZBuffer { uint64_t zBuffer[]; };
 layout(push_constant) uniform Constants { WarpConstants constants; };
@@ -22,7 +21,7 @@ void main()
     int size = int(draw.span.w);
     float width = float(constants.width), height = float(constants.height);
     for (uint i = gl_LocalInvocationID.x; i < draw.span.z; i += gl_WorkGroupSize.x) {
-        uvec2 vertex = unpackUint2x32(vertices[draw.span.y + i]);
+        uvec2 vertex = texelFetch(vertices, int(draw.span.y + i)).xy;
         vec4 h = warpSample(draw, vertex.x);
         if (!isBeforeEye(h)) continue;
         vec3 seen = project(h);

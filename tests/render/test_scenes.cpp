@@ -51,7 +51,7 @@ std::uint8_t byteOf(double value) {
 
 /// Boards of 25 cm, each surface with its own tint, and a fine ripple that shows where samples lie.
 scene::Rgb8 paint(int surface, const glm::dvec3& p) {
-    const auto board = [](double v) { return static_cast<int>(std::floor(v * 4)); };
+    const auto board = [](double v) { return static_cast<int>(std::floor(v * 4 + 0.1)); };
     const bool light = ((board(p.x) + board(p.y) + board(p.z)) & 1) == 0;
     const double ripple = 20 * std::sin(p.x * 31) * std::sin(p.y * 29) * std::sin(p.z * 37);
     const double base = light ? 200 : 120;

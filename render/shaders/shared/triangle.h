@@ -10,17 +10,10 @@
 // the z-buffer takes the nearer whichever comes first. Seen from behind a triangle is drawn as well.
 
 #include "render/shaders/shared/language.h"
-#include "render/shaders/shared/z_key.h"
 
 SHARED_BEGIN
 
 SHARED_CONSTANT float kFatEdge = 1.0f / 64.0f; ///< pixels
-
-/// A projected sample: (u, v, eye disparity), and its colour r | g << 8 | b << 16.
-struct Corner {
-    vec3 seen;
-    uint colour;
-};
 
 /// The pixels of a box, first to last; empty if last < first.
 struct PixelBox {
@@ -28,7 +21,7 @@ struct PixelBox {
     ivec2 last;
 };
 
-/// Twice the signed area of (a, b, p). Exactly negated when a and b change places.
+/// Twice the signed area of (a, b, p); a and b are projected samples (u, v, eye disparity), here and below. Exactly negated when a and b change places.
 SHARED_FUNCTION float edge(vec3 a, vec3 b, vec2 p)
 {
     PRECISE float twiceArea = (a.x - p.x) * (b.y - p.y) - (a.y - p.y) * (b.x - p.x);
@@ -53,40 +46,69 @@ SHARED_FUNCTION PixelBox pixelsOf(vec2 low, vec2 high, vec2 size)
     return box;
 }
 
-SHARED_FUNCTION float channel(uint colour, uint shift)
+/// A triangle (a, b, c) as its pixels need it. A point is a + ofB (b - a) + ofC (c - a); ofB and ofC are affine on the
+/// screen, as x and y of the vec2s.
+struct Triangle {
+    vec2 atOrigin; ///< ofB, ofC at the centre of some pixel
+    vec2 perX;     ///< what a pixel to the right adds
+    vec2 perY;     ///< a pixel down
+    vec3 slack;    ///< how far below 0 the shares of a, b, c may be: kFatEdge
+};
+
+/// What a triangle leaves at a pixel.
+struct Covered {
+    float disparity; ///< negative if the pixel is not covered
+    float ofB, ofC;
+};
+
+SHARED_FUNCTION Triangle setUp(vec3 a, vec3 b, vec3 c, vec2 origin)
 {
-    return float(int((colour >> shift) & 255u));
+    PRECISE float area = edge(a, b, vec2(c.x, c.y));
+    Triangle t;
+    if (!(abs(area) > 1e-20f)) { // seen edge-on: its neighbours have the pixels
+        t.atOrigin = vec2(-1.0f);
+        t.perX = vec2(0.0f);
+        t.perY = vec2(0.0f);
+        t.slack = vec3(0.0f);
+        return t;
+    }
+    PRECISE float inverse = 1.0f / area;
+    PRECISE vec2 atOrigin = vec2(edge(c, a, origin), edge(a, b, origin)) * inverse;
+    PRECISE vec2 perX = vec2(c.y - a.y, a.y - b.y) * inverse;
+    PRECISE vec2 perY = vec2(a.x - c.x, b.x - a.x) * inverse;
+    t.atOrigin = atOrigin;
+    t.perX = perX;
+    t.perY = perY;
+    t.slack = vec3(fatEdge(b, c), fatEdge(c, a), fatEdge(a, b)) * abs(inverse);
+    return t;
 }
 
-SHARED_FUNCTION uint interpolate(uint a, uint b, uint c, float ofB, float ofC, uint shift)
+/// The triangle that setUp made of a, b, c, at the pixel that stands offset from the origin.
+SHARED_FUNCTION Covered cover(Triangle t, vec3 a, vec3 b, vec3 c, vec2 offset)
 {
-    float atA = channel(a, shift);
-    PRECISE float value = atA + ofB * (channel(b, shift) - atA) + ofC * (channel(c, shift) - atA);
-    return uint(int(clamp(value + 0.5f, 0.0f, 255.0f))) << shift;
-}
-
-/// The z-buffer key of a triangle at a pixel centre; (0, 0) if the pixel is not covered.
-SHARED_FUNCTION uvec2 keyOfTriangle(Corner a, Corner b, Corner c, vec2 centre)
-{
-    float area = edge(a.seen, b.seen, vec2(c.seen.x, c.seen.y));
-    float toward = area < 0.0f ? -1.0f : 1.0f;
-    float inA = edge(b.seen, c.seen, centre);
-    float inB = edge(c.seen, a.seen, centre);
-    float inC = edge(a.seen, b.seen, centre);
-    if (area == 0.0f || inA * toward < -fatEdge(b.seen, c.seen) || inB * toward < -fatEdge(c.seen, a.seen) ||
-        inC * toward < -fatEdge(a.seen, b.seen))
-        return uvec2(0u);
-
-    PRECISE float ofB = inB / area;
-    PRECISE float ofC = inC / area;
-    PRECISE float disparity = a.seen.z + ofB * (b.seen.z - a.seen.z) + ofC * (c.seen.z - a.seen.z);
+    PRECISE vec2 of = t.atOrigin + offset.x * t.perX + offset.y * t.perY;
+    PRECISE float disparity = a.z + of.x * (b.z - a.z) + of.y * (c.z - a.z);
     // Thin triangles must not shoot forward where a fat edge extends them.
-    float nearest = max(max(a.seen.z, b.seen.z), c.seen.z);
-    float farthest = min(min(a.seen.z, b.seen.z), c.seen.z);
-    uint colour = interpolate(a.colour, b.colour, c.colour, ofB, ofC, 0u) |
-                  interpolate(a.colour, b.colour, c.colour, ofB, ofC, 8u) |
-                  interpolate(a.colour, b.colour, c.colour, ofB, ofC, 16u);
-    return packKey(clamp(disparity, farthest, nearest), colour, kClassSeen);
+    float nearest = max(max(a.z, b.z), c.z);
+    float farthest = min(min(a.z, b.z), c.z);
+    bool isInside = of.x >= -t.slack.y && of.y >= -t.slack.z && 1.0f - of.x - of.y >= -t.slack.x;
+    Covered covered;
+    covered.disparity = isInside ? clamp(disparity, farthest, nearest) : -1.0f;
+    covered.ofB = of.x;
+    covered.ofC = of.y;
+    return covered;
+}
+
+/// Colours r | g << 8 | b << 16 mixed with weights of 1/256, so that two channels fit into one product: at most one
+/// step from the exact mixture, and the same on every device.
+SHARED_FUNCTION uint mixColours(uint a, uint b, uint c, float ofB, float ofC)
+{
+    uint weightB = uint(int(clamp(ofB, 0.0f, 1.0f) * 256.0f + 0.5f));
+    uint weightC = min(uint(int(clamp(ofC, 0.0f, 1.0f) * 256.0f + 0.5f)), 256u - weightB);
+    uint weightA = 256u - weightB - weightC;
+    uint redBlue = (a & 0xff00ffu) * weightA + (b & 0xff00ffu) * weightB + (c & 0xff00ffu) * weightC + 0x800080u;
+    uint green = (a & 0xff00u) * weightA + (b & 0xff00u) * weightB + (c & 0xff00u) * weightC + 0x8000u;
+    return ((redBlue >> 8) & 0xff00ffu) | ((green >> 8) & 0xff00u);
 }
 
 SHARED_END
