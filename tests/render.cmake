@@ -4,3 +4,17 @@ find_package(benchmark REQUIRED)
 
 add_library(revisit_render_scenes STATIC render/test_scenes.cpp)
 target_link_libraries(revisit_render_scenes PUBLIC render PRIVATE revisit_flags)
+
+add_executable(revisit_render_tests
+    render/device_test.cpp
+    render/draw_list_test.cpp
+    render/edge_cases_test.cpp
+    render/mesh_test.cpp
+    render/points_test.cpp
+    render/reference.cpp
+    render/shared_math_test.cpp
+    render/test_device.cpp
+    render/visibility_test.cpp)
+target_link_libraries(revisit_render_tests
+    PRIVATE revisit_render_scenes revisit_flags GTest::gtest GTest::gtest_main TBB::tbb)
+add_test(NAME render COMMAND revisit_render_tests)

@@ -99,8 +99,8 @@ SHARED_FUNCTION Covered cover(Triangle t, vec3 a, vec3 b, vec3 c, vec2 offset)
     return covered;
 }
 
-/// Colours r | g << 8 | b << 16 mixed with weights of 1/256, so that two channels fit into one product: at most one
-/// step from the exact mixture, and the same on every device.
+/// Colours r | g << 8 | b << 16 mixed with weights of 1/256, so that two channels fit into one product: within
+/// a step and a half of the exact mixture, and the same on every device.
 SHARED_FUNCTION uint mixColours(uint a, uint b, uint c, float ofB, float ofC)
 {
     uint weightB = uint(int(clamp(ofB, 0.0f, 1.0f) * 256.0f + 0.5f));
