@@ -18,3 +18,10 @@ add_executable(revisit_render_tests
 target_link_libraries(revisit_render_tests
     PRIVATE revisit_render_scenes revisit_flags GTest::gtest GTest::gtest_main TBB::tbb)
 add_test(NAME render COMMAND revisit_render_tests)
+
+revisit_shader(bare_scatter.comp kBareScatterCode ${CMAKE_CURRENT_SOURCE_DIR}/bench/shaders)
+add_executable(revisit_render_bench bench/bare_scatter.cpp bench/render_bench.cpp
+    ${CMAKE_CURRENT_BINARY_DIR}/spirv/bare_scatter.comp.h)
+target_include_directories(revisit_render_bench PRIVATE ${CMAKE_CURRENT_BINARY_DIR})
+target_link_libraries(revisit_render_bench
+    PRIVATE revisit_render_scenes revisit_flags benchmark::benchmark TBB::tbb)
