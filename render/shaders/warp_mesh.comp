@@ -98,15 +98,16 @@ void main()
                 if (offset.x == extent.x) offset = ivec2(0, offset.y + 1);
             }
         }
-        uvec4 large = subgroupBallot(isLarge);
+        // Not every lane of a subgroup need be there: the workgroup may be smaller.
+        uvec4 present = subgroupBallot(true), large = subgroupBallot(isLarge);
+        int lanes = int(subgroupBallotBitCount(present)), myPlace = int(subgroupBallotExclusiveBitCount(present));
         while (large != uvec4(0u)) {
             uint lane = subgroupBallotFindLSB(large);
             large &= ~subgroupBallot(gl_SubgroupInvocationID == lane);
             Square square = warpSquare(draw, subgroupBroadcast(number, lane));
             int wide = square.box.last.x - square.box.first.x + 1;
             int pixels = wide * (square.box.last.y - square.box.first.y + 1);
-            for (int i = int(gl_SubgroupInvocationID); i < pixels; i += int(gl_SubgroupSize))
-                drawPixel(square, ivec2(i % wide, i / wide));
+            for (int i = myPlace; i < pixels; i += lanes) drawPixel(square, ivec2(i % wide, i / wide));
         }
     }
 }

@@ -2,8 +2,8 @@
 #define RENDER_SHADERS_SHARED_LANGUAGE_H
 // What GLSL and C++ need so that both can read the headers of this folder. In C++ the vector types are GLM's.
 //
-// PRECISE forbids fused multiply-adds: the same sum must round alike in both languages, in neighbouring triangles and in
-// neighbouring tiles (C++ is compiled with -ffp-contract=off).
+// PRECISE forbids fused multiply-adds: the same sum must round alike in both languages, in neighbouring
+// triangles and in neighbouring tiles (C++ is compiled with -ffp-contract=off).
 
 #ifdef __cplusplus
 #include <glm/common.hpp>
@@ -21,8 +21,9 @@
 
 namespace render {
 using uint = std::uint32_t;
+using glm::abs, glm::clamp, glm::floor, glm::ceil, glm::max, glm::min, glm::floatBitsToUint,
+    glm::uintBitsToFloat;
 using glm::ivec2, glm::vec2, glm::vec3, glm::vec4, glm::uvec2, glm::uvec4;
-using glm::abs, glm::clamp, glm::floor, glm::ceil, glm::max, glm::min, glm::floatBitsToUint, glm::uintBitsToFloat;
 } // namespace render
 #else
 #define SHARED_BEGIN
