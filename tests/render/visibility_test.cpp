@@ -2,9 +2,12 @@
 #include "render/visibility.h"
 #include "tests/render/test_scenes.h"
 
+#include <glm/matrix.hpp>
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include <algorithm>
+#include <cmath>
 #include <random>
 
 namespace render {
@@ -101,6 +104,38 @@ TEST(Visibility, NeverRejectsWhatIsSeenAndRejectsWhatIsOutsideOnePlane) {
     }
     EXPECT_GT(rejected, tested / 4);
     EXPECT_LT(rejected, tested);
+}
+
+/// Boxes that are points, as near to the left and upper edge of what is seen as single precision can put
+/// them.
+TEST(Visibility, NeverRejectsWhatIsSeenByAHair) {
+    std::mt19937 random(33);
+    std::uniform_real_distribution<double> unit(0, 1);
+    const scene::Camera eye = cameraOf(640, 480, 1.6), source = cameraOf(4096, 4096, 1.5708);
+    int seen = 0;
+    for (int pose = 0; pose < 200; ++pose) {
+        const glm::dmat4 c = scene::eyeImageFromSourceImage(randomView(random, eye), source, {});
+        const glm::dmat4 back = glm::inverse(c);
+        TileBounds bounds;
+        for (int i = 0; i < 64; ++i) {
+            const double alongEdge = 400 * unit(random), eyeDisparity = 0.1 + unit(random);
+            const glm::dvec4 h = back * (i % 2 == 0 ? glm::dvec4(0, alongEdge, 1, eyeDisparity)
+                                                    : glm::dvec4(alongEdge, 0, 1, eyeDisparity));
+            const glm::dvec3 sample(h.x / h.z, h.y / h.z, h.w / h.z);
+            if (h.z <= 0 || sample.z < 0 || std::abs(sample.x) > 4096 || std::abs(sample.y) > 4096) continue;
+            bounds.xMin.push_back(static_cast<float>(sample.x)), bounds.xMax.push_back(bounds.xMin.back());
+            bounds.yMin.push_back(static_cast<float>(sample.y)), bounds.yMax.push_back(bounds.yMin.back());
+            bounds.dMin.push_back(static_cast<float>(sample.z)), bounds.dMax.push_back(bounds.dMin.back());
+        }
+        const ImagePlanes planes = planesOf(c, 640, 480, 0, {4096, 4096, 5});
+        for (std::size_t i = 0; i < bounds.size(); ++i) {
+            if (!isSeen(c, bounds.xMin[i], bounds.yMin[i], bounds.dMin[i], 640, 480)) continue;
+            std::uint32_t number = 0;
+            ASSERT_EQ(findVisible(bounds, i, 1, planes, &number), 1u);
+            ++seen;
+        }
+    }
+    EXPECT_GT(seen, 200);
 }
 
 TEST(Visibility, HoldsExactlyOnTheEdges) {
