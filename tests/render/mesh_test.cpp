@@ -65,7 +65,7 @@ TEST_F(MeshTest, AMagnifiedPlaneHasNeitherPinholesNorCracks) {
     std::mt19937 random(43);
     std::uniform_real_distribution<double> unit(-1, 1);
     for (int i = 0; i < 40; ++i) {
-        const glm::dvec3 normal = glm::normalize(glm::dvec3(0.6 * unit(random), 0.6 * unit(random), 1));
+        const glm::dvec3 normal = glm::normalize(glm::dvec3(0.45 * unit(random), 0.45 * unit(random), 1));
         const CutScene plane = cut({takePlane(cameraOf(160, 160, 1.6), normal, 2)}, 3);
         const GpuScene scene(testDevice(), plane.blocks());
         scene::View view{cameraOf(600, 450, 0.5 + 0.3 * unit(random)),
