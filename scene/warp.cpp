@@ -17,16 +17,22 @@ namespace scene {
 namespace {
 
 /// A tile ready to be stepped through: h = origin + x columnX + y columnY + q columnQ = (u w, v w, w), all rounded from double.
+/// Disparity is the order's: over orderScale(level).
 struct TileWarp {
     glm::vec3 origin, columnX, columnY, columnQ;
     float minDisparity, disparityStep;
+    std::uint32_t levelAndClass;
 };
 
-TileWarp tileWarpOf(const Tile& tile, const glm::dmat4& c) {
+TileWarp tileWarpOf(const Tile& tile, const glm::dmat4& c, int level) {
+    const double perScale = 1.0 / static_cast<double>(orderScale(level));
     const double step = (static_cast<double>(tile.maxDisparity) - tile.minDisparity) / kMaxQuantisedDisparity;
     const glm::dvec4 origin = c * glm::dvec4(tile.x0 + 0.5, tile.y0 + 0.5, 1.0, static_cast<double>(tile.minDisparity));
     return {glm::vec3(glm::dvec3(origin)), glm::vec3(glm::dvec3(c[0])), glm::vec3(glm::dvec3(c[1])),
-            glm::vec3(glm::dvec3(c[3]) * step), tile.minDisparity, static_cast<float>(step)};
+            glm::vec3(glm::dvec3(c[3]) * step),
+            static_cast<float>(tile.minDisparity * perScale),
+            static_cast<float>(step * perScale),
+            static_cast<std::uint32_t>(level) << 2 | static_cast<std::uint32_t>(PixelClass::seen)};
 }
 
 /// A vertex in the eye's image.
@@ -45,13 +51,12 @@ inline Projected projectVertex(const TileWarp& warp, std::uint32_t place) {
     return {h.x * perW, h.y * perW, perW, disparity};
 }
 
-inline std::uint64_t keyOf(float disparity, std::uint32_t colour) {
-    return static_cast<std::uint64_t>(std::bit_cast<std::uint32_t>(disparity)) << 32 | (colour & 0xffffffu) << 8 |
-           static_cast<std::uint32_t>(PixelClass::seen);
+inline std::uint64_t keyOf(float disparity, std::uint32_t colour, std::uint32_t levelAndClass) {
+    return static_cast<std::uint64_t>(std::bit_cast<std::uint32_t>(disparity)) << 32 | (colour & 0xffffffu) << 8 | levelAndClass;
 }
 
-void drawTilePoints(const TileBlock& block, const Tile& tile, const glm::dmat4& c, const PointOptions& options, ZBuffer& zBuffer) {
-    const TileWarp warp = tileWarpOf(tile, c);
+void drawTilePoints(const TileBlock& block, const Tile& tile, const glm::dmat4& c, int level, const WarpOptions& options, ZBuffer& zBuffer) {
+    const TileWarp warp = tileWarpOf(tile, c, level);
     const int footprint = footprintOf(tile, c, options);
     const float half = 0.5f * static_cast<float>(footprint - 1);
     for (const TileVertex& vertex : block.vertices.subspan(tile.firstVertex, tile.pointCount)) {
@@ -61,7 +66,7 @@ void drawTilePoints(const TileBlock& block, const Tile& tile, const glm::dmat4& 
         if (!(left > -64.f && top > -64.f && left < static_cast<float>(zBuffer.width()) &&
               top < static_cast<float>(zBuffer.height())))
             continue;
-        const std::uint64_t key = keyOf(p.disparity, vertex.colour);
+        const std::uint64_t key = keyOf(p.disparity, vertex.colour, warp.levelAndClass);
         const int x0 = static_cast<int>(left), y0 = static_cast<int>(top);
         for (int y = std::max(y0, 0); y < std::min(y0 + footprint, zBuffer.height()); ++y)
             for (int x = std::max(x0, 0); x < std::min(x0 + footprint, zBuffer.width()); ++x)
@@ -72,7 +77,7 @@ void drawTilePoints(const TileBlock& block, const Tile& tile, const glm::dmat4& 
 /// Rasterises one triangle: pixel centres inside or on its edges. Edges are inclusive on both sides: a pixel on a shared edge
 /// is drawn twice and the greatest key wins, so nothing leaks. Disparity is affine over the image, as any plane's; colour is
 /// interpolated over the source's image (perspective-correct through perW).
-void drawTriangle(const Projected* p, const std::uint32_t* colours, ZBuffer& zBuffer) {
+void drawTriangle(const Projected* p, const std::uint32_t* colours, std::uint32_t levelAndClass, ZBuffer& zBuffer) {
     const float minU = std::min(std::min(p[0].u, p[1].u), p[2].u), maxU = std::max(std::max(p[0].u, p[1].u), p[2].u);
     const float minV = std::min(std::min(p[0].v, p[1].v), p[2].v), maxV = std::max(std::max(p[0].v, p[1].v), p[2].v);
     const auto width = static_cast<float>(zBuffer.width()), height = static_cast<float>(zBuffer.height());
@@ -104,13 +109,13 @@ void drawTriangle(const Projected* p, const std::uint32_t* colours, ZBuffer& zBu
                                     scale;
                 colour |= static_cast<std::uint32_t>(value + 0.5f) << shift;
             }
-            zBuffer(x, y) = std::max(zBuffer(x, y), keyOf(disparity, colour));
+            zBuffer(x, y) = std::max(zBuffer(x, y), keyOf(disparity, colour, levelAndClass));
         }
     }
 }
 
-void drawTileMesh(const TileBlock& block, const Tile& tile, const glm::dmat4& c, ZBuffer& zBuffer) {
-    const TileWarp warp = tileWarpOf(tile, c);
+void drawTileMesh(const TileBlock& block, const Tile& tile, const glm::dmat4& c, int level, ZBuffer& zBuffer) {
+    const TileWarp warp = tileWarpOf(tile, c, level);
     const auto vertices = block.vertices.subspan(tile.firstVertex, tile.vertexCount);
     std::vector<Projected> projected(vertices.size());
     for (std::size_t i = 0; i < vertices.size(); ++i) projected[i] = projectVertex(warp, vertices[i].place);
@@ -118,7 +123,7 @@ void drawTileMesh(const TileBlock& block, const Tile& tile, const glm::dmat4& c,
         const Projected p[3] = {projected[a], projected[b], projected[d]};
         if (p[0].disparity < 0 || p[1].disparity < 0 || p[2].disparity < 0) return;
         const std::uint32_t colours[3] = {vertices[a].colour, vertices[b].colour, vertices[d].colour};
-        drawTriangle(p, colours, zBuffer);
+        drawTriangle(p, colours, warp.levelAndClass, zBuffer);
     };
     for (const TileQuad& quad : block.quads.subspan(tile.firstQuad, tile.quadCount)) {
         const std::uint32_t i00 = quad.top & kQuadIndexMask, i10 = quad.top >> 16 & kQuadIndexMask;
@@ -130,7 +135,8 @@ void drawTileMesh(const TileBlock& block, const Tile& tile, const glm::dmat4& c,
 
 /// Draws every tile of every block into a z-buffer of each thread's own; the greatest key of all wins.
 template <class DrawTile>
-void warpBlocks(std::span<const TileBlock> blocks, const View& eye, ZBuffer& zBuffer, const DrawTile& drawTile) {
+void warpBlocks(std::span<const TileBlock> blocks, const View& eye, const WarpOptions& options, ZBuffer& zBuffer,
+                const DrawTile& drawTile) {
     struct Work {
         std::size_t block, tile;
     };
@@ -145,7 +151,9 @@ void warpBlocks(std::span<const TileBlock> blocks, const View& eye, ZBuffer& zBu
         ZBuffer& mine = buffers.local();
         for (std::size_t i = range.begin(); i < range.end(); ++i) {
             const TileBlock& block = blocks[work[i].block];
-            drawTile(block, block.tiles[work[i].tile], matrices[work[i].block], mine);
+            const Tile& tile = block.tiles[work[i].tile];
+            const auto level = orderLevelOf(tile, block.camera, block.worldFromCamera, eye, options.preference);
+            if (level) drawTile(block, tile, matrices[work[i].block], *level, mine);
         }
     });
     tbb::parallel_for(0, zBuffer.height(), [&](int y) {
@@ -157,7 +165,7 @@ void warpBlocks(std::span<const TileBlock> blocks, const View& eye, ZBuffer& zBu
 
 } // namespace
 
-int footprintOf(const Tile& tile, const glm::dmat4& c, const PointOptions& options) {
+int footprintOf(const Tile& tile, const glm::dmat4& c, const WarpOptions& options) {
     if (options.maxFootprint <= 1) return 1;
     double largestArea = 0;
     for (const double d : {static_cast<double>(tile.minDisparity), static_cast<double>(tile.maxDisparity)}) {
@@ -174,14 +182,15 @@ int footprintOf(const Tile& tile, const glm::dmat4& c, const PointOptions& optio
     return static_cast<int>(std::clamp(side, 1.0, static_cast<double>(options.maxFootprint)));
 }
 
-void warpPoints(std::span<const TileBlock> blocks, const View& eye, const PointOptions& options, ZBuffer& zBuffer) {
-    warpBlocks(blocks, eye, zBuffer, [&](const TileBlock& block, const Tile& tile, const glm::dmat4& c, ZBuffer& mine) {
-        drawTilePoints(block, tile, c, options, mine);
-    });
+void warpPoints(std::span<const TileBlock> blocks, const View& eye, const WarpOptions& options, ZBuffer& zBuffer) {
+    warpBlocks(blocks, eye, options, zBuffer,
+               [&](const TileBlock& block, const Tile& tile, const glm::dmat4& c, int level, ZBuffer& mine) {
+                   drawTilePoints(block, tile, c, level, options, mine);
+               });
 }
 
-void warpMesh(std::span<const TileBlock> blocks, const View& eye, ZBuffer& zBuffer) {
-    warpBlocks(blocks, eye, zBuffer, drawTileMesh);
+void warpMesh(std::span<const TileBlock> blocks, const View& eye, const WarpOptions& options, ZBuffer& zBuffer) {
+    warpBlocks(blocks, eye, options, zBuffer, drawTileMesh);
 }
 
 EyeImage resolve(const ZBuffer& zBuffer) {
@@ -193,8 +202,8 @@ EyeImage resolve(const ZBuffer& zBuffer) {
             if (key == 0) continue;
             const auto byte = [&](int shift) { return static_cast<std::uint8_t>(key >> shift & 255u); };
             eye.colour(x, y) = {byte(8), byte(16), byte(24)};
-            eye.depthMetres(x, y) = 1.f / std::bit_cast<float>(static_cast<std::uint32_t>(key >> 32));
-            eye.pixelClass(x, y) = byte(0);
+            eye.depthMetres(x, y) = 1.f / (std::bit_cast<float>(static_cast<std::uint32_t>(key >> 32)) * orderScale(byte(0) >> 2));
+            eye.pixelClass(x, y) = byte(0) & 3;
         }
     return eye;
 }

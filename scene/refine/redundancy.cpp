@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <span>
 
@@ -63,28 +64,23 @@ struct KeptPartner {
     const Image<Keep>* kept;
     const DepthImage* image;
     Reprojection into;
-    glm::vec3 partnerInCamera;
+    float baseline; ///< metres between the two cameras
 };
 
 /// A sample in its own camera: place in the image, disparity, and the point.
 struct Candidate {
-    float x, y, disparity;
-    glm::vec3 point;
+    float x, y, disparity, range;
 };
 
-/// Whether the partner keeps this piece of surface, as seen from within the angle whose cosine is given.
-bool isCovered(const KeptPartner& partner, const Candidate& sample, float minCosine, const ComparisonOptions& options) {
+/// Whether the partner keeps this piece of surface and stands no farther away than maxBaseline times the range.
+bool isCovered(const KeptPartner& partner, const Candidate& sample, float maxBaseline, const ComparisonOptions& options) {
+    if (partner.baseline > maxBaseline * sample.range) return false;
     const Sighting at = sightingOf(partner.into, sample.x, sample.y, sample.disparity);
     const Camera& camera = partner.image->camera;
     if (!(at.w > 0) || !(at.u >= 0) || !(at.v >= 0) || !(at.u < static_cast<float>(camera.width)) ||
         !(at.v < static_cast<float>(camera.height)))
         return false;
     if ((*partner.kept)(static_cast<int>(at.u), static_cast<int>(at.v)) == Keep::no) return false;
-    if (minCosine > -1) {
-        const glm::vec3 fromPartner = sample.point - partner.partnerInCamera;
-        const float cosine = glm::dot(sample.point, fromPartner) / (glm::length(sample.point) * glm::length(fromPartner));
-        if (!(cosine >= minCosine)) return false;
-    }
     return compareWith(*partner.image, at, options).relation == Relation::agrees;
 }
 
@@ -97,7 +93,7 @@ class Keeper {
             kept.emplace_back(images.at(i).camera.width, images.at(i).camera.height, Keep::no);
     }
 
-    std::int64_t keep(std::span<const RankedTile> tiles, Keep tier, float minCosine) {
+    std::int64_t keep(std::span<const RankedTile> tiles, Keep tier, float maxBaseline) {
         const std::uint32_t self = tiles.front().image;
         const ImageStore::Lease image = images_.borrow(self);
         std::vector<ImageStore::Lease> leases;
@@ -107,10 +103,10 @@ class Keeper {
             leases.push_back(images_.borrow(partner.image));
             const DepthImage& other = *leases.back();
             before.push_back({&kept[partner.image], &other, reprojectionInto(other, *image),
-                              glm::vec3((inverse(image->worldFromCamera) * other.worldFromCamera).translation)});
+                              static_cast<float>(glm::distance(image->worldFromCamera.translation, other.worldFromCamera.translation))});
         }
         std::atomic<std::int64_t> count = 0;
-        tbb::parallel_for(std::size_t{0}, tiles.size(), [&](std::size_t t) { count += keepTile(tiles[t], *image, before, tier, minCosine); });
+        tbb::parallel_for(std::size_t{0}, tiles.size(), [&](std::size_t t) { count += keepTile(tiles[t], *image, before, tier, maxBaseline); });
         hasKept_[self] = 1;
         return count;
     }
@@ -119,16 +115,16 @@ class Keeper {
 
   private:
     std::int64_t keepTile(const RankedTile& tile, const DepthImage& image, const std::vector<KeptPartner>& before, Keep tier,
-                          float minCosine) {
+                          float maxBaseline) {
         std::int64_t count = 0;
         std::size_t likely = 0; // the partner that covered the last sample most likely covers the next
         for (int y = tile.y0; y < std::min(tile.y0 + options_.tileSize, image.camera.height); ++y)
             for (int x = tile.x0; x < std::min(tile.x0 + options_.tileSize, image.camera.width); ++x) {
                 Keep& mine = kept[tile.image](x, y);
                 if (!isSurface(image.flags(x, y)) || mine != Keep::no) continue;
-                Candidate sample{static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f, image.disparity(x, y), {}};
-                sample.point = glm::vec3(rayThrough(image.camera, x + 0.5, y + 0.5)) / sample.disparity;
-                const auto covers = [&](std::size_t p) { return isCovered(before[p], sample, minCosine, options_.comparison); };
+                Candidate sample{static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f, image.disparity(x, y), 0};
+                sample.range = glm::length(glm::vec3(rayThrough(image.camera, x + 0.5, y + 0.5))) / sample.disparity;
+                const auto covers = [&](std::size_t p) { return isCovered(before[p], sample, maxBaseline, options_.comparison); };
                 bool covered = likely < before.size() && covers(likely);
                 for (std::size_t p = 0; p < before.size() && !covered; ++p)
                     if (covers(p)) covered = true, likely = p;
@@ -177,14 +173,11 @@ std::vector<Image<Keep>> findKept(ImageStore& images, const std::vector<std::vec
     figures = {};
     Keeper keeper(images, partners, options);
     forRuns(ranked, [&](const RankedTile& a, const RankedTile& b) { return a.image == b.image && classOf(a) == classOf(b); },
-            [&](std::span<const RankedTile> run) { figures.base += keeper.keep(run, Keep::base, -1); });
-    if (options.directionRadians > 0) {
-        std::stable_sort(ranked.begin(), ranked.end(), [&](const RankedTile& a, const RankedTile& b) {
-            return imageRank[a.image] < imageRank[b.image];
-        });
-        const float minCosine = std::cos(options.directionRadians);
-        forRuns(ranked, [](const RankedTile& a, const RankedTile& b) { return a.image == b.image; },
-                [&](std::span<const RankedTile> run) { figures.directional += keeper.keep(run, Keep::directional, minCosine); });
+            [&](std::span<const RankedTile> run) { figures.base += keeper.keep(run, Keep::base, std::numeric_limits<float>::max()); });
+    if (options.baselineShare > 0) {
+        // In the order of the capture: along a path this spaces the kept images evenly.
+        for (const auto& tiles : tilesOf)
+            if (!tiles.empty()) figures.directional += keeper.keep(tiles, Keep::directional, options.baselineShare);
     }
     for (std::size_t i = 0; i < images.size(); ++i) {
         const ImageStore::Lease image = images.borrow(i);

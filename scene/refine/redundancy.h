@@ -17,8 +17,9 @@ struct RedundancyOptions {
     /// How much better sampled (in samples per metre) a tile must be to be preferred to one of an image ranked before its own.
     /// 1: sampling alone decides and the patches are small; large: whole images are kept, the fewest samples and seams.
     float preference = 1.5f;
-    /// A surface is kept again, as a directional sample, where no kept sample shows it from within this angle. 0: never.
-    float directionRadians = 0.1f;
+    /// A surface is kept again, as a directional sample, where no kept sample shows it from nearby: from a camera no farther away
+    /// than this share of the range (so the directions differ by at most as many radians). 0: never.
+    float baselineShare = 0.05f;
     int tileSize = kDefaultTileSize;
     ComparisonOptions comparison;
 };

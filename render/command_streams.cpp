@@ -1,0 +1,80 @@
+#include "render/command_streams.h"
+
+#include "render/check.h"
+
+#include <limits>
+
+namespace render {
+
+CommandStreams::CommandStreams(const Device& device, int eyes) : device_(device) {
+    for (std::vector<Stream>& streams : slots_)
+        for (int eye = 0; eye < eyes; ++eye) {
+            VkCommandPoolCreateInfo poolInfo{};
+            poolInfo.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO;
+            poolInfo.flags = VK_COMMAND_POOL_CREATE_TRANSIENT_BIT;
+            poolInfo.queueFamilyIndex = device.queueFamily();
+            VkCommandPool pool = VK_NULL_HANDLE;
+            check(vkCreateCommandPool(device, &poolInfo, nullptr, &pool));
+            Stream stream{{device, pool}, VK_NULL_HANDLE, {}};
+
+            VkCommandBufferAllocateInfo allocate{};
+            allocate.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO;
+            allocate.commandPool = pool;
+            allocate.level = VK_COMMAND_BUFFER_LEVEL_PRIMARY;
+            allocate.commandBufferCount = 1;
+            check(vkAllocateCommandBuffers(device, &allocate, &stream.commands));
+
+            VkFenceCreateInfo fenceInfo{};
+            fenceInfo.sType = VK_STRUCTURE_TYPE_FENCE_CREATE_INFO;
+            fenceInfo.flags = VK_FENCE_CREATE_SIGNALED_BIT;
+            VkFence fence = VK_NULL_HANDLE;
+            check(vkCreateFence(device, &fenceInfo, nullptr, &fence));
+            stream.finished = {device, fence};
+            streams.push_back(std::move(stream));
+        }
+}
+
+CommandStreams::~CommandStreams() {
+    // A lost device answers with an error here; there is nothing left to save then.
+    static_cast<void>(vkDeviceWaitIdle(device_));
+}
+
+void CommandStreams::wait(std::size_t slot) {
+    for (const Stream& stream : slots_[slot])
+        check(vkWaitForFences(device_, 1, stream.finished.address(), VK_TRUE,
+                              std::numeric_limits<std::uint64_t>::max()));
+}
+
+VkCommandBuffer CommandStreams::begin(std::size_t slot, int eye) {
+    const Stream& stream = slots_[slot][static_cast<std::size_t>(eye)];
+    check(vkResetCommandPool(device_, stream.pool, 0));
+    VkCommandBufferBeginInfo info{};
+    info.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO;
+    info.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
+    check(vkBeginCommandBuffer(stream.commands, &info));
+    return stream.commands;
+}
+
+void CommandStreams::submit(std::size_t slot) {
+    for (std::size_t eye = 0; eye < slots_[slot].size(); ++eye) {
+        const Stream& stream = slots_[slot][eye];
+        check(vkEndCommandBuffer(stream.commands));
+        check(vkResetFences(device_, 1, stream.finished.address()));
+        VkSubmitInfo info{};
+        info.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO;
+        info.commandBufferCount = 1;
+        info.pCommandBuffers = &stream.commands;
+        check(vkQueueSubmit(device_.queue(static_cast<int>(eye)), 1, &info, stream.finished));
+    }
+}
+
+void record(VkCommandBuffer commands, const Barrier& barrier) {
+    VkMemoryBarrier memory{};
+    memory.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER;
+    memory.srcAccessMask = barrier.fromAccess;
+    memory.dstAccessMask = barrier.toAccess;
+    vkCmdPipelineBarrier(commands, barrier.fromStages, barrier.toStages, 0, 1, &memory, 0, nullptr, 0,
+                         nullptr);
+}
+
+} // namespace render

@@ -1,0 +1,50 @@
+#pragma once
+// Where commands are recorded: per frame in flight and eye one pool, one command buffer and one fence, so
+// that the eyes record at the same time and nobody waits but for the frame two before.
+
+#include "render/device.h"
+#include "render/handle.h"
+#include "render/target.h"
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace render {
+
+class CommandStreams {
+  public:
+    CommandStreams(const Device& device, int eyes);
+    /// Waits until nothing that was submitted is still running.
+    ~CommandStreams();
+    CommandStreams(const CommandStreams&) = delete;
+    CommandStreams& operator=(const CommandStreams&) = delete;
+
+    /// Waits until the frame that used this slot (0 to kFramesInFlight - 1) before has finished.
+    void wait(std::size_t slot);
+    /// Starts an eye's commands anew; the slot must have been waited for. Different eyes may be recorded by
+    /// different threads.
+    VkCommandBuffer begin(std::size_t slot, int eye);
+    /// Ends and submits all eyes of a slot, the left one first, each on its own queue where there are two.
+    void submit(std::size_t slot);
+
+  private:
+    struct Stream {
+        CommandPool pool;
+        VkCommandBuffer commands = VK_NULL_HANDLE;
+        Fence finished; ///< signalled while nothing is running
+    };
+    const Device& device_;
+    std::array<std::vector<Stream>, kFramesInFlight> slots_; ///< per eye
+};
+
+/// What was written or read at some stages is finished and visible before others read or write.
+struct Barrier {
+    VkPipelineStageFlags fromStages = 0;
+    VkAccessFlags fromAccess = 0;
+    VkPipelineStageFlags toStages = 0;
+    VkAccessFlags toAccess = 0;
+};
+void record(VkCommandBuffer commands, const Barrier& barrier);
+
+} // namespace render

@@ -1,0 +1,168 @@
+#include "render/device.h"
+
+#include "render/check.h"
+#include "render/device_choice.h"
+#include "scene/errors.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <cstring>
+
+namespace render {
+
+namespace {
+
+constexpr const char* kGetADevice =
+    "install a Vulkan 1.2 driver; without a graphics card the processor will do (Debian: "
+    "mesa-vulkan-drivers)";
+
+bool instanceHas(const char* extension) {
+    std::uint32_t count = 0;
+    check(vkEnumerateInstanceExtensionProperties(nullptr, &count, nullptr));
+    std::vector<VkExtensionProperties> extensions(count);
+    check(vkEnumerateInstanceExtensionProperties(nullptr, &count, extensions.data()));
+    return std::any_of(extensions.begin(), extensions.end(), [&](const VkExtensionProperties& e) {
+        return std::strcmp(e.extensionName, extension) == 0;
+    });
+}
+
+} // namespace
+
+Device::Device() {
+    try {
+        createInstance();
+        createDevice();
+        describeDevice();
+    } catch (...) {
+        destroy();
+        throw;
+    }
+}
+
+Device::~Device() {
+    destroy();
+}
+
+void Device::destroy() {
+    if (device_ != VK_NULL_HANDLE) vkDestroyDevice(device_, nullptr);
+    if (messenger_ != VK_NULL_HANDLE) vkDestroyDebugUtilsMessengerEXT(instance_, messenger_, nullptr);
+    if (instance_ != VK_NULL_HANDLE) vkDestroyInstance(instance_, nullptr);
+}
+
+void Device::createInstance() {
+    if (volkInitialize() != VK_SUCCESS)
+        throw scene::Failure("there is no Vulkan on this machine", std::string("Vulkan loader"), kGetADevice);
+
+    VkApplicationInfo application{};
+    application.sType = VK_STRUCTURE_TYPE_APPLICATION_INFO;
+    application.pApplicationName = "revisit";
+    application.apiVersion = VK_API_VERSION_1_2;
+
+    const bool canHear = instanceHas(VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
+    const char* extension = VK_EXT_DEBUG_UTILS_EXTENSION_NAME;
+    VkInstanceCreateInfo info{};
+    info.sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO;
+    info.pApplicationInfo = &application;
+    info.enabledExtensionCount = canHear ? 1 : 0;
+    info.ppEnabledExtensionNames = &extension;
+    if (const VkResult result = vkCreateInstance(&info, nullptr, &instance_); result != VK_SUCCESS) {
+        if (result == VK_ERROR_INCOMPATIBLE_DRIVER)
+            throw scene::Failure("no Vulkan driver was found", std::string("Vulkan loader"), kGetADevice);
+        check(result);
+    }
+    volkLoadInstance(instance_);
+
+    if (!canHear) return;
+    VkDebugUtilsMessengerCreateInfoEXT ear{};
+    ear.sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT;
+    ear.messageSeverity =
+        VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT;
+    ear.messageType = VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT;
+    ear.pfnUserCallback = hear;
+    ear.pUserData = this;
+    check(vkCreateDebugUtilsMessengerEXT(instance_, &ear, nullptr, &messenger_));
+}
+
+void Device::createDevice() {
+    const char* environment = std::getenv("REVISIT_DEVICE");
+    const std::string nameContains = environment != nullptr ? environment : "";
+    const std::vector<Candidate> candidates = findCandidates(instance_);
+    const std::optional<std::size_t> chosen = chooseCandidate(candidates, nameContains);
+    if (!chosen)
+        throw scene::Failure("no graphics device can draw: " + describe(candidates, nameContains),
+                             std::string("Vulkan"),
+                             nameContains.empty() ? kGetADevice : "change or unset REVISIT_DEVICE");
+    physical_ = candidates[*chosen].handle;
+    queueFamily_ = candidates[*chosen].queueFamily;
+
+    const std::uint32_t queueCount = std::min<std::uint32_t>(candidates[*chosen].queueCount, kMaxEyes);
+    const std::array<float, kMaxEyes> priorities{1.0f, 1.0f};
+    VkDeviceQueueCreateInfo queues{};
+    queues.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO;
+    queues.queueFamilyIndex = queueFamily_;
+    queues.queueCount = queueCount;
+    queues.pQueuePriorities = priorities.data();
+
+    VkPhysicalDeviceVulkan12Features features12{};
+    features12.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES;
+    features12.shaderBufferInt64Atomics = VK_TRUE;
+    VkPhysicalDeviceFeatures2 features{};
+    features.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2;
+    features.pNext = &features12;
+    features.features.shaderInt64 = VK_TRUE;
+
+    VkDeviceCreateInfo info{};
+    info.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO;
+    info.pNext = &features;
+    info.queueCreateInfoCount = 1;
+    info.pQueueCreateInfos = &queues;
+    check(vkCreateDevice(physical_, &info, nullptr, &device_));
+    for (std::uint32_t eye = 0; eye < kMaxEyes; ++eye)
+        vkGetDeviceQueue(device_, queueFamily_, std::min(eye, queueCount - 1), &queues_[eye]);
+}
+
+void Device::describeDevice() {
+    VkPhysicalDeviceVulkan12Properties properties12{};
+    properties12.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_PROPERTIES;
+    VkPhysicalDeviceVulkan11Properties properties11{};
+    properties11.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_1_PROPERTIES;
+    properties11.pNext = &properties12;
+    VkPhysicalDeviceProperties2 properties{};
+    properties.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2;
+    properties.pNext = &properties11;
+    vkGetPhysicalDeviceProperties2(physical_, &properties);
+    properties_ = properties.properties;
+    name_ = properties_.deviceName;
+    driver_ = std::string(properties12.driverName) + " " + properties12.driverInfo;
+    subgroupSize_ = static_cast<int>(properties11.subgroupSize);
+    vkGetPhysicalDeviceMemoryProperties(physical_, &memory_);
+
+    std::uint32_t count = 0;
+    vkGetPhysicalDeviceQueueFamilyProperties(physical_, &count, nullptr);
+    std::vector<VkQueueFamilyProperties> families(count);
+    vkGetPhysicalDeviceQueueFamilyProperties(physical_, &count, families.data());
+    timestampBits_ = families[queueFamily_].timestampValidBits;
+}
+
+std::uint32_t Device::memoryType(std::uint32_t typeBits, VkMemoryPropertyFlags wanted,
+                                 VkMemoryPropertyFlags liked) const {
+    for (const VkMemoryPropertyFlags flags : {wanted | liked, wanted})
+        for (std::uint32_t type = 0; type < memory_.memoryTypeCount; ++type)
+            if ((typeBits >> type & 1u) != 0 && (memoryFlags(type) & flags) == flags) return type;
+    throw scene::Failure("the device has no memory of the kind needed", name_, "update the graphics driver");
+}
+
+std::vector<std::string> Device::validationMessages() const {
+    const std::scoped_lock lock(heardMutex_);
+    return heard_;
+}
+
+VkBool32 Device::hear(VkDebugUtilsMessageSeverityFlagBitsEXT, VkDebugUtilsMessageTypeFlagsEXT,
+                      const VkDebugUtilsMessengerCallbackDataEXT* message, void* device) {
+    auto& self = *static_cast<Device*>(device);
+    const std::scoped_lock lock(self.heardMutex_);
+    self.heard_.emplace_back(message->pMessage);
+    return VK_FALSE;
+}
+
+} // namespace render

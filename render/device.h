@@ -1,0 +1,79 @@
+#pragma once
+// The graphics device: instance, the physical device chosen, its queues, and the ear for the validation
+// layers.
+
+#include <volk.h>
+
+#include <array>
+#include <cstdint>
+#include <mutex>
+#include <string>
+#include <vector>
+
+namespace render {
+
+inline constexpr int kMaxEyes = 2;
+
+/// Stays where it is: everything it makes points back at it, and must be gone before it.
+class Device {
+  public:
+    /// Chooses discrete before integrated, virtual, processor; the environment variable REVISIT_DEVICE (part
+    /// of a name) overrules. Throws scene::Failure if Vulkan or a fitting device is missing, naming each
+    /// candidate and what it lacks.
+    Device();
+    ~Device();
+    Device(const Device&) = delete;
+    Device& operator=(const Device&) = delete;
+
+    VkInstance instance() const { return instance_; }
+    VkPhysicalDevice physical() const { return physical_; }
+    VkDevice handle() const { return device_; }
+    operator VkDevice() const { return device_; }
+
+    std::uint32_t queueFamily() const { return queueFamily_; }
+    /// An eye has its own queue where the family has two.
+    VkQueue queue(int eye) const { return queues_[static_cast<std::size_t>(eye)]; }
+    bool eyesShareQueue() const { return queues_[0] == queues_[1]; }
+
+    const std::string& name() const { return name_; }
+    const std::string& driver() const { return driver_; } ///< name and version
+    bool isProcessor() const { return properties_.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU; }
+    const VkPhysicalDeviceLimits& limits() const { return properties_.limits; }
+    int subgroupSize() const { return subgroupSize_; }
+    bool hasTimestamps() const { return timestampBits_ > 0; }
+
+    /// A memory type allowed by typeBits with all of wanted; the first that also has all of liked, if there
+    /// is one.
+    std::uint32_t memoryType(std::uint32_t typeBits, VkMemoryPropertyFlags wanted,
+                             VkMemoryPropertyFlags liked) const;
+    VkMemoryPropertyFlags memoryFlags(std::uint32_t type) const {
+        return memory_.memoryTypes[type].propertyFlags;
+    }
+
+    /// Warnings and errors of the validation layers so far; always empty without them (VK_INSTANCE_LAYERS).
+    std::vector<std::string> validationMessages() const;
+
+  private:
+    void createInstance();
+    void createDevice();
+    void describeDevice();
+    void destroy();
+    static VkBool32 VKAPI_PTR hear(VkDebugUtilsMessageSeverityFlagBitsEXT severity,
+                                   VkDebugUtilsMessageTypeFlagsEXT types,
+                                   const VkDebugUtilsMessengerCallbackDataEXT* message, void* device);
+
+    VkInstance instance_ = VK_NULL_HANDLE;
+    VkDebugUtilsMessengerEXT messenger_ = VK_NULL_HANDLE;
+    VkPhysicalDevice physical_ = VK_NULL_HANDLE;
+    VkDevice device_ = VK_NULL_HANDLE;
+    std::array<VkQueue, kMaxEyes> queues_{};
+    std::uint32_t queueFamily_ = 0, timestampBits_ = 0;
+    VkPhysicalDeviceProperties properties_{};
+    VkPhysicalDeviceMemoryProperties memory_{};
+    std::string name_, driver_;
+    int subgroupSize_ = 1;
+    mutable std::mutex heardMutex_; ///< the layers may call from any thread
+    std::vector<std::string> heard_;
+};
+
+} // namespace render

@@ -1,0 +1,125 @@
+#include "render/draw_list.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <bit>
+#include <cassert>
+#include <cmath>
+#include <limits>
+
+namespace render {
+
+namespace {
+
+constexpr std::uint64_t kTileBits = 26, kNearnessBits = 24;
+constexpr std::size_t kDrawsPerTask = 512;
+
+std::uint32_t itemsOf(const ResidentTile& tile, Warp warp) {
+    return warp == Warp::points ? tile.pointCount : tile.quadCount;
+}
+
+/// Sorts by page, then near to far, then by number, so that no two are equal.
+std::uint64_t orderOf(const glm::dmat4& c, const ResidentTile& tile, const TileBounds& bounds,
+                      std::uint32_t number) {
+    const double x = (static_cast<double>(bounds.xMin[number]) + bounds.xMax[number]) / 2;
+    const double y = (static_cast<double>(bounds.yMin[number]) + bounds.yMax[number]) / 2;
+    const double d = (static_cast<double>(tile.minDisparity) + tile.maxDisparity) / 2;
+    const double w = c[0][2] * x + c[1][2] * y + c[2][2] + c[3][2] * d;
+    const float nearness = w > 0 ? static_cast<float>(std::min(d / w, 1e30)) : 1e30f;
+    const std::uint64_t farFirst =
+        std::bit_cast<std::uint32_t>(std::max(nearness, 0.0f)) >> (32 - kNearnessBits);
+    const std::uint64_t nearFirst = ((std::uint64_t{1} << kNearnessBits) - 1) - farFirst;
+    return ((std::uint64_t{tile.page} << kNearnessBits | nearFirst) << kTileBits) | number;
+}
+
+std::uint32_t tileIn(std::uint64_t order) {
+    return static_cast<std::uint32_t>(order & ((std::uint64_t{1} << kTileBits) - 1));
+}
+
+std::uint32_t footprintOf(const glm::dmat4& c, const TileBounds& bounds, std::uint32_t i,
+                          const Quality& quality) {
+    if (quality.maxFootprint <= 1) return 1;
+    const double width =
+        quality.footprintScale * sampleWidthInEye(c, {bounds.xMin[i], bounds.yMin[i], bounds.dMin[i]},
+                                                  {bounds.xMax[i], bounds.yMax[i], bounds.dMax[i]});
+    // A hundredth of a pixel of slack: what is as dense as the screen stays one pixel wide in spite of
+    // rounding.
+    return static_cast<std::uint32_t>(std::clamp(std::ceil(width - 0.01), 1.0, double(quality.maxFootprint)));
+}
+
+} // namespace
+
+TileDraw tileDrawOf(const glm::dmat4& c, const ResidentTile& tile) {
+    const auto hOf = [&](const glm::dvec4& sample) {
+        const glm::dvec4 h = c * sample;
+        return glm::dvec4(h.x, h.y, h.z, h.w);
+    };
+    const double step =
+        (static_cast<double>(tile.maxDisparity) - tile.minDisparity) / scene::kMaxQuantisedDisparity;
+    TileDraw draw;
+    draw.base = glm::vec4(hOf({tile.x0 + 0.5, tile.y0 + 0.5, 1.0, tile.minDisparity}));
+    draw.perX = glm::vec4(hOf({1, 0, 0, 0}));
+    draw.perY = glm::vec4(hOf({0, 1, 0, 0}));
+    draw.perQ = glm::vec4(hOf({0, 0, 0, step}));
+    draw.span = {tile.firstVertex, 0, 0, 0};
+    return draw;
+}
+
+double sampleWidthInEye(const glm::dmat4& c, const glm::dvec3& boxMin, const glm::dvec3& boxMax) {
+    const glm::dvec3 cx(c[0]), cy(c[1]), c1(c[2]), cd(c[3]);
+    const glm::dvec3 normal = glm::cross(cx, cy); // det [Cx Cy v] = normal . v
+    const double area1 = glm::dot(normal, c1), areaPerD = glm::dot(normal, cd);
+    double largest = 0;
+    for (const double d : {boxMin.z, boxMax.z})
+        for (const double y : {boxMin.y, boxMax.y})
+            for (const double x : {boxMin.x, boxMax.x}) {
+                const double w = x * cx.z + y * cy.z + c1.z + d * cd.z;
+                if (w <= 0) return std::numeric_limits<double>::infinity();
+                largest = std::max(largest, std::abs(area1 + d * areaPerD) / (w * w * w));
+            }
+    return std::sqrt(largest);
+}
+
+void buildDrawList(std::span<const ResidentTile> tiles, const TileBounds& bounds,
+                   std::span<const TilePiece> pieces, std::span<const glm::dmat4> eyeImagesFromSources,
+                   const VisibleTiles& visible, const Quality& quality, std::span<TileDraw> draws,
+                   DrawList& list) {
+    assert(tiles.size() < (std::size_t{1} << kTileBits));
+    list.order.clear();
+    for (std::size_t p = 0; p < pieces.size(); ++p)
+        for (std::uint32_t i = 0; i < visible.counts[p]; ++i) {
+            const std::uint32_t number = visible.slots[pieces[p].first + i];
+            const ResidentTile& tile = tiles[number];
+            if (itemsOf(tile, quality.warp) == 0) continue;
+            list.order.push_back(orderOf(eyeImagesFromSources[tile.image], tile, bounds, number));
+        }
+    std::sort(list.order.begin(), list.order.end());
+
+    list.runs.clear();
+    list.items = 0;
+    list.tiles = static_cast<std::uint32_t>(list.order.size());
+    for (std::uint32_t i = 0; i < list.tiles; ++i) {
+        const ResidentTile& tile = tiles[tileIn(list.order[i])];
+        if (list.runs.empty() || list.runs.back().page != tile.page) list.runs.push_back({tile.page, i, 0});
+        ++list.runs.back().count;
+        list.items += itemsOf(tile, quality.warp);
+    }
+
+    const tbb::blocked_range<std::size_t> all(0, list.order.size(), kDrawsPerTask);
+    tbb::parallel_for(all, [&](const tbb::blocked_range<std::size_t>& range) {
+        for (std::size_t i = range.begin(); i < range.end(); ++i) {
+            const std::uint32_t number = tileIn(list.order[i]);
+            const ResidentTile& tile = tiles[number];
+            const glm::dmat4& c = eyeImagesFromSources[tile.image];
+            TileDraw draw = tileDrawOf(c, tile);
+            draw.span.z = itemsOf(tile, quality.warp);
+            draw.span.y = quality.warp == Warp::points ? tile.firstVertex : tile.firstQuad;
+            draw.span.w = quality.warp == Warp::points ? footprintOf(c, bounds, number, quality) : 1;
+            draws[i] = draw;
+        }
+    });
+}
+
+} // namespace render

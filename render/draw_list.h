@@ -1,0 +1,44 @@
+#pragma once
+// The visible tiles of one eye in the order they are drawn, each with its own warp: page by page, near to
+// far, so that what is hidden mostly fails the depth test at once.
+
+#include "render/gpu_scene.h"
+#include "render/quality.h"
+#include "render/shaders/shared/tile_draw.h"
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace render {
+
+/// Consecutive draws from one page.
+struct DrawRun {
+    std::uint32_t page = 0, first = 0, count = 0;
+};
+
+struct DrawList {
+    std::vector<DrawRun> runs;
+    std::uint32_t tiles = 0;
+    std::uint64_t items = 0;          ///< samples (points) or mesh squares
+    std::vector<std::uint64_t> order; ///< scratch, kept from frame to frame
+};
+
+/// What the warp of this tile needs. C is multiplied out in double precision and only then rounded.
+TileDraw tileDrawOf(const glm::dmat4& eyeImageFromSource, const ResidentTile& tile);
+
+/// How wide, in pixels, a sample of a box is seen: the square root of the largest projected area of a source
+/// pixel over the box's corners (x, y at sample centres). At one disparity the warp has the Jacobian det [Cx
+/// Cy C1 + d Cd] / w^3, where Ci are the first three rows of the columns of C. Infinite if the box reaches
+/// behind the eye.
+double sampleWidthInEye(const glm::dmat4& eyeImageFromSource, const glm::dvec3& boxMin,
+                        const glm::dvec3& boxMax);
+
+/// Builds the list of all tiles that have items for this warp, and writes draws (room for all tiles of the
+/// scene). eyeImagesFromSources: one C per image. The same bytes on any number of threads.
+void buildDrawList(std::span<const ResidentTile> tiles, const TileBounds& bounds,
+                   std::span<const TilePiece> pieces, std::span<const glm::dmat4> eyeImagesFromSources,
+                   const VisibleTiles& visible, const Quality& quality, std::span<TileDraw> draws,
+                   DrawList& list);
+
+} // namespace render

@@ -1,0 +1,74 @@
+#pragma once
+// A scene on the device: vertices and quads in pages, and what the processor keeps of each tile to cull and
+// draw it.
+
+#include "render/pipeline.h"
+#include "render/resources.h"
+#include "render/visibility.h"
+#include "scene/tile.h"
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace render {
+
+/// Small enough for one allocation and one view on every common device; the few that see less get smaller
+/// pages.
+inline constexpr std::size_t kPageBytes = std::size_t{64} << 20;
+
+/// A tile as the draw list needs it; positions count within its page.
+struct ResidentTile {
+    std::uint32_t image = 0, page = 0;
+    std::uint32_t firstVertex = 0, pointCount = 0, firstQuad = 0, quadCount = 0;
+    std::int32_t x0 = 0, y0 = 0; ///< first sample in the image
+    float minDisparity = 0, maxDisparity = 0;
+};
+
+struct ResidentImage {
+    scene::Camera camera;
+    scene::Pose worldFromCamera;
+    BoundsExtent extent;
+};
+
+class GpuScene {
+  public:
+    /// Copies the blocks to the device, pageBytes of vertices and of quads to a page (tests make them small).
+    /// The blocks are not needed afterwards. A tile is never split: pageBytes must hold the largest. Throws
+    /// scene::Failure if the device's memory does not suffice.
+    GpuScene(const Device& device, std::span<const scene::TileBlock> blocks,
+             std::size_t pageBytes = kPageBytes);
+
+    std::span<const ResidentImage> images() const { return images_; }
+    std::span<const ResidentTile> tiles() const { return tiles_; }
+    const TileBounds& bounds() const { return bounds_; }
+    /// All tiles once, in order; a piece never crosses an image.
+    std::span<const TilePiece> pieces() const { return pieces_; }
+
+    std::size_t pageCount() const { return pages_.size(); }
+    std::size_t bytesResident() const { return bytesResident_; }
+
+    /// Binding 0: vertices, 1: quads, both as texels.
+    VkDescriptorSetLayout pageLayout() const { return pageLayout_; }
+    VkDescriptorSet pageSet(std::size_t page) const { return pages_[page].set; }
+
+  private:
+    struct Page {
+        Buffer vertices, quads;
+        BufferView vertexView, quadView;
+        VkDescriptorSet set = VK_NULL_HANDLE;
+    };
+    void layOut(std::span<const scene::TileBlock> blocks, std::size_t pageBytes);
+    void upload(const Device& device, std::span<const scene::TileBlock> blocks);
+
+    std::vector<ResidentImage> images_;
+    std::vector<ResidentTile> tiles_;
+    TileBounds bounds_;
+    std::vector<TilePiece> pieces_;
+    std::vector<Page> pages_;
+    DescriptorSetLayout pageLayout_;
+    DescriptorPool pool_;
+    std::size_t bytesResident_ = 0;
+};
+
+} // namespace render

@@ -1,0 +1,123 @@
+#include "render/pipeline.h"
+
+#include "render/check.h"
+#include "render/device.h"
+
+#include <vector>
+
+namespace render {
+
+namespace {
+
+PipelineLayout makeLayout(const Device& device, std::span<const VkDescriptorSetLayout> sets,
+                          std::uint32_t pushConstantBytes) {
+    const VkPushConstantRange range{VK_SHADER_STAGE_COMPUTE_BIT, 0, pushConstantBytes};
+    VkPipelineLayoutCreateInfo info{};
+    info.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO;
+    info.setLayoutCount = static_cast<std::uint32_t>(sets.size());
+    info.pSetLayouts = sets.data();
+    info.pushConstantRangeCount = 1;
+    info.pPushConstantRanges = &range;
+    VkPipelineLayout layout = VK_NULL_HANDLE;
+    check(vkCreatePipelineLayout(device, &info, nullptr, &layout));
+    return {device, layout};
+}
+
+ShaderModule makeModule(const Device& device, std::span<const std::uint32_t> code) {
+    VkShaderModuleCreateInfo info{};
+    info.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO;
+    info.codeSize = code.size_bytes();
+    info.pCode = code.data();
+    VkShaderModule module = VK_NULL_HANDLE;
+    check(vkCreateShaderModule(device, &info, nullptr, &module));
+    return {device, module};
+}
+
+VkDescriptorType typeOf(Binding binding) {
+    return binding == Binding::texels ? VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER
+                                      : VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+}
+
+} // namespace
+
+ComputePipeline makeComputePipeline(const Device& device, std::span<const std::uint32_t> code,
+                                    std::span<const VkDescriptorSetLayout> sets,
+                                    std::uint32_t pushConstantBytes,
+                                    std::span<const std::uint32_t> specialisation) {
+    std::vector<VkSpecializationMapEntry> entries;
+    for (std::uint32_t i = 0; i < specialisation.size(); ++i)
+        entries.push_back({i, i * static_cast<std::uint32_t>(sizeof(std::uint32_t)), sizeof(std::uint32_t)});
+    const VkSpecializationInfo constants{static_cast<std::uint32_t>(entries.size()), entries.data(),
+                                         specialisation.size_bytes(), specialisation.data()};
+
+    const ShaderModule module = makeModule(device, code);
+    ComputePipeline made{makeLayout(device, sets, pushConstantBytes), {}};
+    VkComputePipelineCreateInfo info{};
+    info.sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO;
+    info.stage.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO;
+    info.stage.stage = VK_SHADER_STAGE_COMPUTE_BIT;
+    info.stage.module = module;
+    info.stage.pName = "main";
+    info.stage.pSpecializationInfo = &constants;
+    info.layout = made.layout;
+    VkPipeline pipeline = VK_NULL_HANDLE;
+    check(vkCreateComputePipelines(device, VK_NULL_HANDLE, 1, &info, nullptr, &pipeline));
+    made.pipeline = {device, pipeline};
+    return made;
+}
+
+DescriptorSetLayout makeSetLayout(const Device& device, std::span<const Binding> bindings) {
+    std::vector<VkDescriptorSetLayoutBinding> all;
+    for (std::size_t i = 0; i < bindings.size(); ++i)
+        all.push_back(
+            {static_cast<std::uint32_t>(i), typeOf(bindings[i]), 1, VK_SHADER_STAGE_COMPUTE_BIT, nullptr});
+    VkDescriptorSetLayoutCreateInfo info{};
+    info.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO;
+    info.bindingCount = static_cast<std::uint32_t>(all.size());
+    info.pBindings = all.data();
+    VkDescriptorSetLayout layout = VK_NULL_HANDLE;
+    check(vkCreateDescriptorSetLayout(device, &info, nullptr, &layout));
+    return {device, layout};
+}
+
+DescriptorPool makeSetPool(const Device& device, std::size_t sets, std::span<const Binding> bindings) {
+    std::vector<VkDescriptorPoolSize> sizes;
+    for (const Binding binding : bindings)
+        sizes.push_back({typeOf(binding), static_cast<std::uint32_t>(sets)});
+    VkDescriptorPoolCreateInfo info{};
+    info.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO;
+    info.maxSets = static_cast<std::uint32_t>(sets);
+    info.poolSizeCount = static_cast<std::uint32_t>(sizes.size());
+    info.pPoolSizes = sizes.data();
+    VkDescriptorPool pool = VK_NULL_HANDLE;
+    check(vkCreateDescriptorPool(device, &info, nullptr, &pool));
+    return {device, pool};
+}
+
+VkDescriptorSet allocateSet(const Device& device, VkDescriptorPool pool, VkDescriptorSetLayout layout,
+                            std::span<const Bound> buffers) {
+    VkDescriptorSetAllocateInfo allocate{};
+    allocate.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO;
+    allocate.descriptorPool = pool;
+    allocate.descriptorSetCount = 1;
+    allocate.pSetLayouts = &layout;
+    VkDescriptorSet set = VK_NULL_HANDLE;
+    check(vkAllocateDescriptorSets(device, &allocate, &set));
+
+    for (std::size_t i = 0; i < buffers.size(); ++i) {
+        const bool isTexels = buffers[i].texels != VK_NULL_HANDLE;
+        const VkDescriptorBufferInfo whole{buffers[i].buffer, 0, VK_WHOLE_SIZE};
+        VkWriteDescriptorSet write{};
+        write.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET;
+        write.dstSet = set;
+        write.dstBinding = static_cast<std::uint32_t>(i);
+        write.descriptorCount = 1;
+        write.descriptorType = typeOf(isTexels ? Binding::texels : Binding::storage);
+        write.pBufferInfo = &whole;
+        write.pTexelBufferView = &buffers[i].texels;
+        vkUpdateDescriptorSets(device, 1, &write, 0, nullptr);
+    }
+    return set;
+}
+
+} // namespace render

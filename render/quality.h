@@ -1,0 +1,23 @@
+#pragma once
+// Every knob that trades speed for accuracy while drawing.
+
+namespace render {
+
+enum class Warp {
+    points, ///< each sample a square of pixels
+    mesh    ///< two triangles in each square of four samples
+};
+
+struct Quality {
+    Warp warp = Warp::points;
+
+    /// Points: the widest square of pixels that stands for one sample. 1 is fastest, exactly one pixel per
+    /// sample, and leaves holes wherever the eye is nearer than the camera was.
+    int maxFootprint = 4;
+
+    /// Points: width of the square over the width of the sample as the eye sees it. Above 1 closes the holes
+    /// of surfaces that the eye sees more squarely than the camera did, and coarsens silhouettes.
+    double footprintScale = 1.0;
+};
+
+} // namespace render

@@ -1,0 +1,20 @@
+#pragma once
+// An eye's picture, back in the processor's memory.
+
+#include "render/target.h"
+#include "scene/image.h"
+
+#include <cstdint>
+
+namespace render {
+
+struct EyeImage {
+    scene::Image<scene::Rgb8> colour;
+    scene::Image<float> depthMetres;       ///< along z; 0 where there is nothing, infinity for sky
+    scene::Image<std::uint8_t> pixelClass; ///< 0 background, 1 seen, 2 filled, 3 unseen
+};
+
+/// Copies the picture; the device must have finished it.
+EyeImage readBack(const EyeTarget& target, int width, int height);
+
+} // namespace render

@@ -1,0 +1,164 @@
+#include "render/renderer.h"
+
+#include "spirv/resolve.comp.h"
+
+#include <tbb/parallel_for.h>
+
+#include <cassert>
+
+namespace render {
+
+namespace {
+
+/// How far outside the image a sample may stand and still touch it.
+double marginOf(const Quality& quality) {
+    return quality.warp == Warp::points ? quality.maxFootprint / 2 + 1.0 : 1.0;
+}
+
+constexpr VkPipelineStageFlags kCompute = VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT;
+constexpr VkPipelineStageFlags kTransfer = VK_PIPELINE_STAGE_TRANSFER_BIT;
+constexpr VkAccessFlags kRead = VK_ACCESS_SHADER_READ_BIT, kWrite = VK_ACCESS_SHADER_WRITE_BIT;
+constexpr Barrier kAfterLastFrame{kCompute, kRead | kWrite, kTransfer | kCompute,
+                                  VK_ACCESS_TRANSFER_WRITE_BIT | kRead | kWrite};
+constexpr Barrier kAfterClear{kTransfer, VK_ACCESS_TRANSFER_WRITE_BIT, kCompute, kRead | kWrite};
+constexpr Barrier kAfterWarp{kCompute, kRead | kWrite, kCompute, kRead};
+constexpr Barrier kAfterResolve{kCompute, kWrite, VK_PIPELINE_STAGE_HOST_BIT, VK_ACCESS_HOST_READ_BIT};
+
+std::uint32_t resolveWorkgroupSize(const Device& device) {
+    return device.isProcessor() ? static_cast<std::uint32_t>(device.subgroupSize()) : 128;
+}
+
+} // namespace
+
+Renderer::Renderer(const Device& device, const GpuScene& scene, int width, int height, int eyes)
+    : device_(device), scene_(scene), width_(width), height_(height),
+      eyeLayout_(makeEyeLayout(device)), warps_{makeWarpPass(device, Warp::points, scene.pageLayout(),
+                                                             eyeLayout_),
+                                                makeWarpPass(device, Warp::mesh, scene.pageLayout(),
+                                                             eyeLayout_)},
+      resolve_(makeComputePipeline(device, kResolveCode, std::array<VkDescriptorSetLayout, 1>{eyeLayout_},
+                                   sizeof(ResolveConstants), std::array{resolveWorkgroupSize(device)})),
+      streams_(device, eyes) {
+    assert(width > 0 && height > 0 && eyes >= 1 && eyes <= kMaxEyes);
+    for (int eye = 0; eye < eyes; ++eye)
+        eyes_.push_back({makeEyeTarget(device, eyeLayout_, width, height, scene.tiles().size()),
+                         {StepTimer(device), StepTimer(device)},
+                         {},
+                         {},
+                         {},
+                         {},
+                         {}});
+}
+
+FrameStats Renderer::draw(std::span<const scene::View> views, const Quality& quality) {
+    assert(views.size() == eyes_.size());
+    const std::size_t slot = frames_ % kFramesInFlight;
+    FrameStats stats;
+    stats.frame = frames_;
+    timed(stats.cpu, "wait", kWholeFrame, [&] { streams_.wait(slot); });
+    if (frames_ >= kFramesInFlight) {
+        stats.gpuFrame = frames_ - kFramesInFlight;
+        readTimes(slot, stats.gpu);
+    }
+
+    tbb::parallel_for(std::size_t{0}, eyes_.size(), [&](std::size_t i) {
+        const int index = static_cast<int>(i);
+        prepare(eyes_[i], views[i], quality, slot, index);
+        recordCommands(eyes_[i], quality, slot, index);
+    });
+    timed(stats.cpu, "submit", kWholeFrame, [&] { streams_.submit(slot); });
+
+    for (std::size_t i = 0; i < eyes_.size(); ++i) {
+        const Eye& eye = eyes_[i];
+        stats.cpu.insert(stats.cpu.end(), eye.times.begin(), eye.times.end());
+        EyeCounts& counts = stats.eyes[i];
+        counts.tilesTested = static_cast<std::uint32_t>(scene_.tiles().size());
+        counts.tilesRejected = counts.tilesTested;
+        for (const std::uint32_t count : eye.visible.counts)
+            counts.tilesRejected -= count;
+        counts.tilesDrawn = eye.list.tiles;
+        counts.samplesDrawn = eye.list.items;
+    }
+    ++frames_;
+    last_ = stats;
+    return stats;
+}
+
+void Renderer::prepare(Eye& eye, const scene::View& view, const Quality& quality, std::size_t slot,
+                       int index) {
+    assert(view.camera.width == width_ && view.camera.height == height_);
+    eye.times.clear();
+    timed(eye.times, "cull", index, [&] {
+        eye.eyeImagesFromSources.clear();
+        eye.planes.clear();
+        for (const ResidentImage& image : scene_.images()) {
+            const glm::dmat4 c = scene::eyeImageFromSourceImage(view, image.camera, image.worldFromCamera);
+            eye.eyeImagesFromSources.push_back(c);
+            eye.planes.push_back(planesOf(c, width_, height_, marginOf(quality), image.extent));
+        }
+        cull(scene_.bounds(), scene_.pieces(), eye.planes, eye.visible);
+    });
+    timed(eye.times, "list", index, [&] {
+        buildDrawList(scene_.tiles(), scene_.bounds(), scene_.pieces(), eye.eyeImagesFromSources, eye.visible,
+                      quality, eye.target.draws[slot].as<TileDraw>(), eye.list);
+    });
+}
+
+void Renderer::recordCommands(Eye& eye, const Quality& quality, std::size_t slot, int index) {
+    timed(eye.times, "record", index, [&] {
+        const VkCommandBuffer commands = streams_.begin(slot, index);
+        const VkDescriptorSet eyeSet = eye.target.sets[slot];
+        StepTimer& timer = eye.timers[slot];
+        record(commands, kAfterLastFrame);
+        timer.begin(commands);
+
+        vkCmdFillBuffer(commands, eye.target.zBuffer.handle(), 0, VK_WHOLE_SIZE, 0);
+        record(commands, kAfterClear);
+        timer.mark(commands, "clear");
+
+        const WarpPass& warp = warps_[static_cast<std::size_t>(quality.warp)];
+        recordWarp(commands, warp, scene_, eyeSet, eye.list.runs, width_, height_);
+        record(commands, kAfterWarp);
+        timer.mark(commands, "warp");
+
+        recordResolve(commands, eyeSet);
+        record(commands, kAfterResolve);
+        timer.mark(commands, "resolve");
+    });
+}
+
+void Renderer::recordResolve(VkCommandBuffer commands, VkDescriptorSet eyeSet) const {
+    const ResolveConstants constants{static_cast<std::uint32_t>(width_)};
+    vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, resolve_.pipeline);
+    vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, resolve_.layout, 0, 1, &eyeSet, 0,
+                            nullptr);
+    vkCmdPushConstants(commands, resolve_.layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof constants,
+                       &constants);
+    vkCmdDispatch(commands, static_cast<std::uint32_t>(height_), 1, 1);
+}
+
+void Renderer::readTimes(std::size_t slot, std::vector<StepTime>& times) const {
+    for (std::size_t i = 0; i < eyes_.size(); ++i)
+        eyes_[i].timers[slot].read(static_cast<int>(i), times);
+}
+
+FrameStats Renderer::finish() {
+    assert(frames_ > 0);
+    const std::size_t slot = (frames_ - 1) % kFramesInFlight;
+    streams_.wait(slot);
+    last_.gpu.clear();
+    last_.gpuFrame = last_.frame;
+    readTimes(slot, last_.gpu);
+    return last_;
+}
+
+std::vector<EyeImage> Renderer::readBack() {
+    assert(frames_ > 0);
+    streams_.wait((frames_ - 1) % kFramesInFlight);
+    std::vector<EyeImage> images;
+    for (const Eye& eye : eyes_)
+        images.push_back(render::readBack(eye.target, width_, height_));
+    return images;
+}
+
+} // namespace render

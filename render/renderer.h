@@ -1,0 +1,81 @@
+#pragma once
+// Scene and views to pixels: cull, warp, resolve, submit.
+
+#include "render/command_streams.h"
+#include "render/device.h"
+#include "render/draw_list.h"
+#include "render/gpu_scene.h"
+#include "render/quality.h"
+#include "render/readback.h"
+#include "render/target.h"
+#include "render/timing.h"
+#include "render/warp/warp_pass.h"
+#include "scene/view.h"
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace render {
+
+struct EyeCounts {
+    std::uint32_t tilesTested = 0, tilesRejected = 0, tilesDrawn = 0;
+    std::uint64_t samplesDrawn = 0; ///< points, or squares of the mesh
+};
+
+struct FrameStats {
+    std::uint64_t frame = 0;
+    std::vector<StepTime> cpu; ///< wait, cull, list, record, submit
+    std::vector<StepTime> gpu; ///< clear, warp, resolve; of the frame gpuFrame, empty while none has finished
+    std::uint64_t gpuFrame = 0;
+    std::array<EyeCounts, kMaxEyes> eyes{};
+};
+
+/// Draws one scene for one or two eyes of one size. Device and scene must outlive it. One thread at a time;
+/// inside, the eyes are culled and recorded at the same time.
+class Renderer {
+  public:
+    /// Throws scene::Failure if the device cannot hold or see images of that size.
+    Renderer(const Device& device, const GpuScene& scene, int width, int height, int eyes);
+
+    /// Sends a frame to the device. Waits only for the frame two before. The cameras must have the renderer's
+    /// size.
+    FrameStats draw(std::span<const scene::View> eyes, const Quality& quality);
+
+    /// Waits for the last frame and tells about it, its own times on the device included.
+    FrameStats finish();
+
+    /// Waits for the last frame and returns its pictures, an eye each. At least one frame must have been
+    /// drawn.
+    std::vector<EyeImage> readBack();
+
+  private:
+    /// What one eye keeps to itself, so that the eyes need not wait for one another.
+    struct Eye {
+        EyeTarget target;
+        std::array<StepTimer, kFramesInFlight> timers;
+        std::vector<glm::dmat4> eyeImagesFromSources;
+        std::vector<ImagePlanes> planes;
+        VisibleTiles visible;
+        DrawList list;
+        std::vector<StepTime> times;
+    };
+    void prepare(Eye& eye, const scene::View& view, const Quality& quality, std::size_t slot, int index);
+    void recordCommands(Eye& eye, const Quality& quality, std::size_t slot, int index);
+    void recordResolve(VkCommandBuffer commands, VkDescriptorSet eyeSet) const;
+    void readTimes(std::size_t slot, std::vector<StepTime>& times) const;
+
+    const Device& device_;
+    const GpuScene& scene_;
+    int width_, height_;
+    DescriptorSetLayout eyeLayout_;
+    std::array<WarpPass, 2> warps_; ///< by Warp
+    ComputePipeline resolve_;
+    std::vector<Eye> eyes_;
+    std::uint64_t frames_ = 0; ///< drawn so far
+    FrameStats last_;
+    CommandStreams streams_; ///< goes first: it waits for the device
+};
+
+} // namespace render

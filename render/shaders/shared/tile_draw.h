@@ -1,0 +1,73 @@
+#ifndef RENDER_SHADERS_SHARED_TILE_DRAW_H
+#define RENDER_SHADERS_SHARED_TILE_DRAW_H
+// What the processor tells the warps about one visible tile of one eye (std430), and the warp of a sample.
+// Nyland, McAllister, Popescu, McCue, Lastra: "Interactive exploration of acquired 3D data", 1999, equation
+// 2, incrementally: the matrix C is multiplied out in double precision up to the tile's first sample, so that
+// what is left is small.
+//
+// A warped sample is a vec4 h = (u w, v w, w, d): seen at pixel position (u, v) with eye disparity d / w if w
+// > 0.
+
+#include "render/shaders/shared/language.h"
+
+SHARED_BEGIN
+
+struct TileDraw {
+    vec4 base;  ///< h of the tile's first sample at its minDisparity
+    vec4 perX;  ///< what one sample to the right adds
+    vec4 perY;  ///< one sample down
+    vec4 perQ;  ///< one step of quantised disparity
+    uvec4 span; ///< first vertex in the page; first item (points: vertex, mesh: quad); items; footprint in
+                ///< pixels
+};
+
+struct WarpConstants {
+    uint firstDraw; ///< of the workgroup with number 0
+    int width;      ///< of the eye's image, pixels
+    int height;
+};
+
+struct ResolveConstants {
+    uint width; ///< pixels; a workgroup resolves one row
+};
+
+#ifdef __cplusplus
+static_assert(sizeof(TileDraw) == 80 && alignof(TileDraw) == 4);
+static_assert(sizeof(WarpConstants) == 12);
+static_assert(sizeof(ResolveConstants) == 4);
+#endif
+
+/// Nearest surface that is drawn, 10 micrometres before the eye, as eye disparity in 1/m.
+SHARED_CONSTANT float kMaxEyeDisparity = 1e5f;
+
+/// place as in scene::TileVertex: x | y << 6 | q << 12. Through int because processors convert that faster.
+SHARED_FUNCTION vec4 warpSample(TileDraw draw, uint place) {
+    float x = float(int(place & 63u));
+    float y = float(int((place >> 6) & 63u));
+    float q = float(int(place >> 12));
+    PRECISE vec4 h = draw.base + x * draw.perX + y * draw.perY + q * draw.perQ;
+    return h;
+}
+
+/// True before the eye and not too near; what is not can neither be projected nor compared.
+SHARED_FUNCTION bool isBeforeEye(vec4 h) {
+    return h.z > 1e-30f && h.w <= kMaxEyeDisparity * h.z;
+}
+
+/// (u, v, eye disparity) of a sample before the eye. Quantised sky may come out an ulp below zero: infinitely
+/// far.
+SHARED_FUNCTION vec3 project(vec4 h) {
+    PRECISE float inverse = 1.0f / h.z;
+    PRECISE vec3 seen = vec3(h.x * inverse, h.y * inverse, max(h.w, 0.0f) * inverse);
+    return seen;
+}
+
+/// First row or column of a square footprint of size pixels centred on a position.
+SHARED_FUNCTION float firstOfFootprint(float position, int size) {
+    PRECISE float first = floor(position - 0.5f * float(size - 1));
+    return first;
+}
+
+SHARED_END
+
+#endif

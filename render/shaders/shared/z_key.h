@@ -1,0 +1,39 @@
+#ifndef RENDER_SHADERS_SHARED_Z_KEY_H
+#define RENDER_SHADERS_SHARED_Z_KEY_H
+// A pixel of an eye's z-buffer: 64 bits that compare as wanted, so that one atomic maximum is depth test and
+// write at once and the order of drawing does not matter.
+//
+//     63 ........ 32 | 31 ..... 8 | 7 ... 0          eye disparity is never negative, so that its bits order
+//     as it does; eye disparity  |  b   g   r | class            0 is the cleared pixel: nothing there
+//
+// As uvec2 (low, high): x holds colour and class, y the disparity.
+
+#include "render/shaders/shared/language.h"
+
+SHARED_BEGIN
+
+SHARED_CONSTANT uint kClassBackground = 0u;
+SHARED_CONSTANT uint kClassSeen = 1u;
+SHARED_CONSTANT uint kClassFilled = 2u;
+SHARED_CONSTANT uint kClassUnseen = 3u;
+
+/// colour: r | g << 8 | b << 16; what stands above is dropped.
+SHARED_FUNCTION uvec2 packKey(float eyeDisparity, uint colour, uint pixelClass) {
+    return uvec2((colour << 8) | pixelClass, floatBitsToUint(eyeDisparity));
+}
+
+/// r | g << 8 | b << 16 | class << 24: what resolve writes.
+SHARED_FUNCTION uint colourAndClassOf(uvec2 key) {
+    return (key.x >> 8) | (key.x << 24);
+}
+
+/// Metres along z; 0 where nothing is, infinity for what is infinitely far (sky).
+SHARED_FUNCTION float depthOf(uvec2 key) {
+    if ((key.x & 0xffu) == kClassBackground) return 0.0f;
+    if (key.y == 0u) return uintBitsToFloat(0x7f800000u);
+    return 1.0f / uintBitsToFloat(key.y);
+}
+
+SHARED_END
+
+#endif

@@ -1,0 +1,113 @@
+#version 460
+// Two triangles in each square of four samples (Nyland et al. 1999, section 5.2), rasterised here because most of them
+// are smaller than a pixel: fixed hardware is built for larger ones, and a software driver sets each up one by one.
+//
+// One workgroup draws one tile. An invocation draws a square by itself while it is small; all invocations of a subgroup
+// draw a large one together, so that a wall before the eye stalls nobody. Each square warps its four samples anew: that
+// costs less than sharing them does.
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
+#extension GL_EXT_shader_atomic_int64 : require
+#extension GL_KHR_shader_subgroup_ballot : require
+
+#include "render/shaders/shared/tile_draw.h"
+#include "render/shaders/shared/triangle.h"
+#include "render/shaders/shared/z_key.h"
+
+layout(local_size_x_id = 0) in;
+
+layout(set = 0, binding = 0) uniform usamplerBuffer vertices;
+layout(set = 0, binding = 1) uniform usamplerBuffer quads;
+layout(std430, set = 1, binding = 0) readonly buffer Draws { TileDraw draws[]; };
+layout(std430, set = 1, binding = 1) buffer ZBuffer { uint64_t zBuffer[]; };
+layout(push_constant) uniform Constants { WarpConstants constants; };
+
+const uint kIndexMask = 0x1fffu, kDrawn = 1u << 15;
+const int kLargeSquare = 256; // pixels of its box
+
+struct Square {
+    vec3 topLeft, topRight, bottomLeft, bottomRight; // projected
+    uint colours[4];                                 // in the same order
+    Triangle upper, lower;                           // (top left or bottom right, top right, bottom left)
+    PixelBox box;
+};
+
+vec3 warpCorner(TileDraw draw, uint index, out uint colour, out bool isUsable)
+{
+    uvec2 vertex = texelFetch(vertices, int(draw.span.x + index)).xy;
+    vec4 h = warpSample(draw, vertex.x);
+    colour = vertex.y;
+    isUsable = isBeforeEye(h);
+    return project(h);
+}
+
+Square warpSquare(TileDraw draw, uint number)
+{
+    uvec2 quad = texelFetch(quads, int(draw.span.y + number)).xy;
+    Square s;
+    bool usable[4];
+    s.topLeft = warpCorner(draw, quad.x & kIndexMask, s.colours[0], usable[0]);
+    s.topRight = warpCorner(draw, (quad.x >> 16) & kIndexMask, s.colours[1], usable[1]);
+    s.bottomLeft = warpCorner(draw, quad.y & kIndexMask, s.colours[2], usable[2]);
+    s.bottomRight = warpCorner(draw, (quad.y >> 16) & kIndexMask, s.colours[3], usable[3]);
+    bool bothUsable = usable[1] && usable[2];
+    bool upper = (quad.x & kDrawn) != 0u && usable[0] && bothUsable;
+    bool lower = (quad.y & kDrawn) != 0u && usable[3] && bothUsable;
+
+    // A triangle that is not drawn collapses onto the diagonal: it has no area, and covers nothing.
+    if (!upper) s.topLeft = s.topRight;
+    if (!lower) s.bottomRight = s.topRight;
+    vec2 low = min(min(s.topLeft.xy, s.topRight.xy), min(s.bottomLeft.xy, s.bottomRight.xy));
+    vec2 high = max(max(s.topLeft.xy, s.topRight.xy), max(s.bottomLeft.xy, s.bottomRight.xy));
+    s.box = pixelsOf(low, high, vec2(constants.width, constants.height));
+    if (!upper && !lower) s.box.last = s.box.first - 1;
+    vec2 origin = vec2(s.box.first) + 0.5f;
+    s.upper = setUp(s.topLeft, s.topRight, s.bottomLeft, origin);
+    s.lower = setUp(s.bottomRight, s.topRight, s.bottomLeft, origin);
+    return s;
+}
+
+void drawPixel(Square s, ivec2 offset)
+{
+    Covered upper = cover(s.upper, s.topLeft, s.topRight, s.bottomLeft, vec2(offset));
+    Covered lower = cover(s.lower, s.bottomRight, s.topRight, s.bottomLeft, vec2(offset));
+    bool isLower = lower.disparity > upper.disparity;
+    float disparity = max(upper.disparity, lower.disparity);
+    if (disparity < 0.0f) return;
+    uint colour = mixColours(isLower ? s.colours[3] : s.colours[0], s.colours[1], s.colours[2],
+                             isLower ? lower.ofB : upper.ofB, isLower ? lower.ofC : upper.ofC);
+    ivec2 pixel = s.box.first + offset;
+    atomicMax(zBuffer[pixel.y * constants.width + pixel.x], packUint2x32(packKey(disparity, colour, kClassSeen)));
+}
+
+void main()
+{
+    TileDraw draw = draws[constants.firstDraw + gl_WorkGroupID.x];
+    for (uint start = 0u; start < draw.span.z; start += gl_WorkGroupSize.x) {
+        uint number = start + gl_LocalInvocationID.x;
+        bool isLarge = false;
+        if (number < draw.span.z) {
+            Square square = warpSquare(draw, number);
+            ivec2 extent = max(square.box.last - square.box.first + 1, 0);
+            int pixels = extent.x * extent.y;
+            isLarge = pixels > kLargeSquare;
+            ivec2 offset = ivec2(0);
+            for (int i = isLarge ? pixels : 0; i < pixels; ++i) {
+                drawPixel(square, offset);
+                offset.x += 1;
+                if (offset.x == extent.x) offset = ivec2(0, offset.y + 1);
+            }
+        }
+        // Not every lane of a subgroup need be there: the workgroup may be smaller.
+        uvec4 present = subgroupBallot(true), large = subgroupBallot(isLarge);
+        int lanes = int(subgroupBallotBitCount(present)), myPlace = int(subgroupBallotExclusiveBitCount(present));
+        while (large != uvec4(0u)) {
+            uint lane = subgroupBallotFindLSB(large);
+            large &= ~subgroupBallot(gl_SubgroupInvocationID == lane);
+            Square square = warpSquare(draw, subgroupBroadcast(number, lane));
+            int wide = square.box.last.x - square.box.first.x + 1;
+            int pixels = wide * (square.box.last.y - square.box.first.y + 1);
+            for (int i = myPlace; i < pixels; i += lanes) drawPixel(square, ivec2(i % wide, i / wide));
+        }
+    }
+}

@@ -1,0 +1,42 @@
+#version 460
+// Every kept sample of a tile is a square of pixels of one depth and colour (Nyland et al. 1999, section 5.1).
+// One workgroup draws one tile; its invocations take the samples in turns.
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
+#extension GL_EXT_shader_atomic_int64 : require
+
+#include "render/shaders/shared/tile_draw.h"
+#include "render/shaders/shared/z_key.h"
+
+layout(local_size_x_id = 0) in;
+
+layout(set = 0, binding = 0) uniform usamplerBuffer vertices;
+layout(std430, set = 1, binding = 0) readonly buffer Draws { TileDraw draws[]; };
+layout(std430, set = 1, binding = 1) buffer ZBuffer { uint64_t zBuffer[]; };
+layout(push_constant) uniform Constants { WarpConstants constants; };
+
+void main()
+{
+    TileDraw draw = draws[constants.firstDraw + gl_WorkGroupID.x];
+    int size = int(draw.span.w);
+    float width = float(constants.width), height = float(constants.height);
+    for (uint i = gl_LocalInvocationID.x; i < draw.span.z; i += gl_WorkGroupSize.x) {
+        uvec2 vertex = texelFetch(vertices, int(draw.span.y + i)).xy;
+        vec4 h = warpSample(draw, vertex.x);
+        if (!isBeforeEye(h)) continue;
+        vec3 seen = project(h);
+        uint64_t key = packUint2x32(packKey(seen.z, vertex.y, kClassSeen));
+        float left = firstOfFootprint(seen.x, size), top = firstOfFootprint(seen.y, size);
+        if (size == 1) {
+            // Comparing as floats first: far outside, the conversion to int is undefined.
+            if (left >= 0.0f && left < width && top >= 0.0f && top < height)
+                atomicMax(zBuffer[int(top) * constants.width + int(left)], key);
+            continue;
+        }
+        if (!(left > -float(size) && left < width && top > -float(size) && top < height)) continue;
+        ivec2 first = max(ivec2(left, top), 0);
+        ivec2 end = min(ivec2(left, top) + size, ivec2(constants.width, constants.height));
+        for (int y = first.y; y < end.y; ++y)
+            for (int x = first.x; x < end.x; ++x) atomicMax(zBuffer[y * constants.width + x], key);
+    }
+}

@@ -1,0 +1,70 @@
+#include "render/target.h"
+
+#include "render/device.h"
+#include "render/shaders/shared/tile_draw.h"
+#include "scene/errors.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <string>
+
+namespace render {
+
+namespace {
+
+constexpr std::array kEyeBindings{Binding::storage, Binding::storage, Binding::storage, Binding::storage,
+                                  Binding::texels};
+
+void requireRange(const Device& device, std::size_t bytes, const std::string& what,
+                  const std::string& remedy) {
+    if (bytes <= device.limits().maxStorageBufferRange) return;
+    throw scene::Failure(what + " takes " + std::to_string(bytes) + " bytes, more than the " +
+                             std::to_string(device.limits().maxStorageBufferRange) + " a shader can see",
+                         device.name(), remedy);
+}
+
+void requireTexels(const Device& device, std::size_t texels) {
+    if (texels <= device.limits().maxTexelBufferElements) return;
+    throw scene::Failure("the image has " + std::to_string(texels) + " pixels, more than the " +
+                             std::to_string(device.limits().maxTexelBufferElements) + " a shader can read",
+                         device.name(), "choose a smaller image");
+}
+
+} // namespace
+
+DescriptorSetLayout makeEyeLayout(const Device& device) {
+    return makeSetLayout(device, kEyeBindings);
+}
+
+EyeTarget makeEyeTarget(const Device& device, VkDescriptorSetLayout eyeLayout, int width, int height,
+                        std::size_t maxDraws) {
+    const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+    const std::size_t drawBytes = std::max<std::size_t>(maxDraws, 1) * sizeof(TileDraw);
+    requireRange(device, pixels * sizeof(std::uint64_t), "the z-buffer", "choose a smaller image");
+    requireRange(device, drawBytes, "the list of tiles", "build the scene with larger tiles");
+
+    requireTexels(device, pixels);
+
+    constexpr VkBufferUsageFlags kStorage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
+    EyeTarget target;
+    target.zBuffer =
+        Buffer(device, pixels * sizeof(std::uint64_t),
+               kStorage | VK_BUFFER_USAGE_TRANSFER_DST_BIT | VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT,
+               MemoryUse::onDevice);
+    target.colours = Buffer(device, pixels * sizeof(std::uint32_t), kStorage, MemoryUse::hostReads);
+    target.depths = Buffer(device, pixels * sizeof(float), kStorage, MemoryUse::hostReads);
+    target.zTexels = makeTexelView(device, target.zBuffer);
+    target.pool = makeSetPool(device, kFramesInFlight, kEyeBindings);
+    for (std::size_t frame = 0; frame < kFramesInFlight; ++frame) {
+        target.draws[frame] = Buffer(device, drawBytes, kStorage, MemoryUse::hostWrites);
+        const std::array<Bound, kEyeBindings.size()> bound{{{target.draws[frame].handle()},
+                                                            {target.zBuffer.handle()},
+                                                            {target.colours.handle()},
+                                                            {target.depths.handle()},
+                                                            {target.zBuffer.handle(), target.zTexels}}};
+        target.sets[frame] = allocateSet(device, target.pool, eyeLayout, bound);
+    }
+    return target;
+}
+
+} // namespace render

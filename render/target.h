@@ -1,0 +1,35 @@
+#pragma once
+// What one eye draws into: its z-buffer of 64-bit keys (shaders/shared/z_key.h) and the picture it is
+// resolved to.
+
+#include "render/pipeline.h"
+#include "render/resources.h"
+
+#include <array>
+#include <cstddef>
+
+namespace render {
+
+inline constexpr int kFramesInFlight = 2;
+
+/// The layout of an eye's set: 0 draws, 1 z-buffer, 2 colours, 3 depths, 4 z-buffer as texels, to be read.
+DescriptorSetLayout makeEyeLayout(const Device& device);
+
+/// One z-buffer and picture serve all frames in flight: they follow one another on the eye's queue. The draw
+/// lists, which the processor writes ahead, do not.
+struct EyeTarget {
+    Buffer zBuffer; ///< 64 bits per pixel, row by row
+    Buffer colours; ///< r | g << 8 | b << 16 | class << 24 per pixel; mapped
+    Buffer depths;  ///< metres along z as float per pixel; mapped
+    BufferView zTexels;
+    std::array<Buffer, kFramesInFlight> draws; ///< TileDraw; mapped
+    DescriptorPool pool;
+    std::array<VkDescriptorSet, kFramesInFlight> sets{};
+};
+
+/// maxDraws: tiles of the scene. Throws scene::Failure if the device cannot see such an image or list at
+/// once.
+EyeTarget makeEyeTarget(const Device& device, VkDescriptorSetLayout eyeLayout, int width, int height,
+                        std::size_t maxDraws);
+
+} // namespace render

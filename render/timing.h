@@ -1,0 +1,55 @@
+#pragma once
+// How long the steps of a frame take, on the processor and on the device.
+
+#include "render/handle.h"
+
+#include <chrono>
+#include <cstdint>
+#include <vector>
+
+namespace render {
+
+class Device;
+
+inline constexpr int kWholeFrame = -1; ///< a step that is not of one eye
+
+struct StepTime {
+    const char* step = ""; ///< its name, for reports
+    int eye = kWholeFrame;
+    double milliseconds = 0;
+};
+
+/// Runs work and appends how long it took.
+template <class Work>
+void timed(std::vector<StepTime>& times, const char* step, int eye, Work&& work) {
+    const auto start = std::chrono::steady_clock::now();
+    work();
+    const std::chrono::duration<double, std::milli> passed = std::chrono::steady_clock::now() - start;
+    times.push_back({step, eye, passed.count()});
+}
+
+/// Timestamps between the steps of one command buffer. Silent on devices without timestamps.
+class StepTimer {
+  public:
+    explicit StepTimer(const Device& device);
+
+    /// First of all commands.
+    void begin(VkCommandBuffer commands);
+    /// After a step and the barrier that ends it: without that barrier a device may write the time before the
+    /// work is done. step must outlive the timer.
+    void mark(VkCommandBuffer commands, const char* step);
+    /// Appends the steps' times; only when the commands are known to have finished.
+    void read(int eye, std::vector<StepTime>& times) const;
+
+  private:
+    static constexpr std::uint32_t kMaxMarks = 16;
+    void write(VkCommandBuffer commands);
+
+    VkDevice device_ = VK_NULL_HANDLE;
+    QueryPool pool_;
+    double millisecondsPerTick_ = 0;
+    std::vector<const char*> steps_;
+    std::uint32_t written_ = 0;
+};
+
+} // namespace render

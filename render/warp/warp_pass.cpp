@@ -1,0 +1,60 @@
+#include "render/warp/warp_pass.h"
+
+#include "render/device.h"
+#include "render/gpu_scene.h"
+#include "spirv/warp_mesh.comp.h"
+#include "spirv/warp_points.comp.h"
+
+#include <algorithm>
+#include <array>
+
+namespace render {
+
+namespace {
+
+/// What every device allows in one direction of a dispatch.
+constexpr std::uint32_t kMaxWorkgroups = 65535;
+
+struct WarpRow {
+    std::span<const std::uint32_t> code;
+    std::uint32_t workgroupSize;
+};
+
+/// A processor runs a workgroup vector by vector, and starts each anew: one vector that loops is cheapest.
+WarpRow rowOf(const Device& device, Warp warp) {
+    const auto vectorWidth = static_cast<std::uint32_t>(device.subgroupSize());
+    switch (warp) {
+    case Warp::mesh:
+        return {kWarpMeshCode, device.isProcessor() ? vectorWidth : 64};
+    default:
+        return {kWarpPointsCode, device.isProcessor() ? vectorWidth : 128};
+    }
+}
+
+} // namespace
+
+WarpPass makeWarpPass(const Device& device, Warp warp, VkDescriptorSetLayout pageLayout,
+                      VkDescriptorSetLayout eyeLayout) {
+    const WarpRow row = rowOf(device, warp);
+    return {makeComputePipeline(device, row.code, std::array{pageLayout, eyeLayout}, sizeof(WarpConstants),
+                                std::array{row.workgroupSize})};
+}
+
+void recordWarp(VkCommandBuffer commands, const WarpPass& pass, const GpuScene& scene, VkDescriptorSet eyeSet,
+                std::span<const DrawRun> runs, int width, int height) {
+    const VkPipelineLayout layout = pass.pipeline.layout;
+    vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pass.pipeline.pipeline);
+    vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, layout, 1, 1, &eyeSet, 0, nullptr);
+    for (const DrawRun& run : runs) {
+        const VkDescriptorSet page = scene.pageSet(run.page);
+        vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, layout, 0, 1, &page, 0, nullptr);
+        for (std::uint32_t done = 0; done < run.count; done += kMaxWorkgroups) {
+            const WarpConstants constants{run.first + done, width, height};
+            vkCmdPushConstants(commands, layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof constants,
+                               &constants);
+            vkCmdDispatch(commands, std::min(run.count - done, kMaxWorkgroups), 1, 1);
+        }
+    }
+}
+
+} // namespace render

@@ -1,0 +1,27 @@
+#pragma once
+// A warp: the shader that moves samples to an eye's z-buffer. Every warp draws the same list of tiles; a new
+// one is a shader, a file like points.cpp, and a row in makeWarpPass.
+
+#include "render/draw_list.h"
+#include "render/pipeline.h"
+#include "render/quality.h"
+
+#include <span>
+
+namespace render {
+
+class Device;
+class GpuScene;
+
+struct WarpPass {
+    ComputePipeline pipeline;
+};
+
+WarpPass makeWarpPass(const Device& device, Warp warp, VkDescriptorSetLayout pageLayout,
+                      VkDescriptorSetLayout eyeLayout);
+
+/// Draws the runs into the z-buffer of eyeSet: one workgroup per tile.
+void recordWarp(VkCommandBuffer commands, const WarpPass& pass, const GpuScene& scene, VkDescriptorSet eyeSet,
+                std::span<const DrawRun> runs, int width, int height);
+
+} // namespace render

@@ -1,0 +1,246 @@
+#include "scene/depth_tiff.h"
+
+#include "scene/errors.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <memory>
+
+#include <nlohmann/json.hpp>
+
+#include <tiffio.h>
+#include <xxhash.h>
+
+namespace scene {
+
+namespace {
+
+using nlohmann::json;
+
+constexpr const char* kWriteRemedy = "check that the disk has room and the folder may be written";
+constexpr const char* kReadRemedy = "the file is damaged or not Revisit's: remove it and build the scene again";
+constexpr int kMaxSide = 65536;
+constexpr int kRowsPerStrip = 64;
+constexpr int kDeflateLevel = 1; ///< the next levels take several times as long for a few percent
+
+struct CloseTiff {
+    void operator()(TIFF* tiff) const { TIFFClose(tiff); }
+};
+using Tiff = std::unique_ptr<TIFF, CloseTiff>;
+
+/// libtiff speaks to stderr unless told otherwise; what fails here is said once, by Failure.
+Tiff openTiff(const std::filesystem::path& path, const char* mode) {
+    TIFFSetErrorHandler(nullptr);
+    TIFFSetWarningHandler(nullptr);
+    return Tiff(TIFFOpen(path.c_str(), mode));
+}
+
+template <class T>
+void writePage(TIFF* tiff, const Image<T>& image, int bits, int channels, int format, const std::string* description,
+               const std::filesystem::path& path) {
+    TIFFSetField(tiff, TIFFTAG_IMAGEWIDTH, static_cast<std::uint32_t>(image.width()));
+    TIFFSetField(tiff, TIFFTAG_IMAGELENGTH, static_cast<std::uint32_t>(image.height()));
+    TIFFSetField(tiff, TIFFTAG_BITSPERSAMPLE, bits);
+    TIFFSetField(tiff, TIFFTAG_SAMPLESPERPIXEL, channels);
+    TIFFSetField(tiff, TIFFTAG_SAMPLEFORMAT, format);
+    TIFFSetField(tiff, TIFFTAG_PHOTOMETRIC, channels == 3 ? PHOTOMETRIC_RGB : PHOTOMETRIC_MINISBLACK);
+    TIFFSetField(tiff, TIFFTAG_PLANARCONFIG, PLANARCONFIG_CONTIG);
+    TIFFSetField(tiff, TIFFTAG_COMPRESSION, COMPRESSION_ADOBE_DEFLATE);
+    TIFFSetField(tiff, TIFFTAG_ZIPQUALITY, kDeflateLevel);
+    TIFFSetField(tiff, TIFFTAG_PREDICTOR, format == SAMPLEFORMAT_IEEEFP ? PREDICTOR_FLOATINGPOINT : PREDICTOR_HORIZONTAL);
+    TIFFSetField(tiff, TIFFTAG_ROWSPERSTRIP, kRowsPerStrip);
+    if (description) TIFFSetField(tiff, TIFFTAG_IMAGEDESCRIPTION, description->c_str());
+    // libtiff's predictors work in the caller's memory.
+    std::vector<T> row(static_cast<std::size_t>(image.width()));
+    for (int y = 0; y < image.height(); ++y) {
+        std::copy(image.row(y).begin(), image.row(y).end(), row.begin());
+        if (TIFFWriteScanline(tiff, row.data(), static_cast<std::uint32_t>(y)) != 1)
+            throw Failure("cannot be written", path, kWriteRemedy);
+    }
+    if (TIFFWriteDirectory(tiff) != 1) throw Failure("cannot be written", path, kWriteRemedy);
+}
+
+/// Checks that the page is what writePage wrote for such an image before any memory is taken.
+void checkPage(TIFF* tiff, int width, int height, int bits, int channels, const std::filesystem::path& path) {
+    std::uint32_t w = 0, h = 0, rowsPerStrip = 0;
+    std::uint16_t b = 0, c = 0, planar = 0, compression = 0;
+    TIFFGetField(tiff, TIFFTAG_IMAGEWIDTH, &w);
+    TIFFGetField(tiff, TIFFTAG_IMAGELENGTH, &h);
+    TIFFGetField(tiff, TIFFTAG_BITSPERSAMPLE, &b);
+    TIFFGetField(tiff, TIFFTAG_SAMPLESPERPIXEL, &c);
+    TIFFGetFieldDefaulted(tiff, TIFFTAG_PLANARCONFIG, &planar);
+    TIFFGetFieldDefaulted(tiff, TIFFTAG_COMPRESSION, &compression);
+    TIFFGetFieldDefaulted(tiff, TIFFTAG_ROWSPERSTRIP, &rowsPerStrip);
+    const bool fits = w == static_cast<std::uint32_t>(width) && h == static_cast<std::uint32_t>(height) && b == bits &&
+                      c == channels && planar == PLANARCONFIG_CONTIG && compression == COMPRESSION_ADOBE_DEFLATE &&
+                      rowsPerStrip == static_cast<std::uint32_t>(kRowsPerStrip) && !TIFFIsTiled(tiff) &&
+                      TIFFScanlineSize(tiff) == static_cast<tmsize_t>(width) * channels * bits / 8;
+    if (!fits) throw Failure("has a page that is not as its description says", path, kReadRemedy);
+}
+
+template <class T>
+Image<T> readPage(TIFF* tiff, int width, int height, int bits, int channels, const std::filesystem::path& path) {
+    checkPage(tiff, width, height, bits, channels, path);
+    Image<T> image(width, height);
+    for (int y = 0; y < height; ++y)
+        if (TIFFReadScanline(tiff, image.row(y).data(), static_cast<std::uint32_t>(y)) != 1)
+            throw Failure("is cut off or damaged in row " + std::to_string(y), path, kReadRemedy);
+    return image;
+}
+
+class Checksum {
+  public:
+    Checksum() : state_(XXH3_createState()) { XXH3_64bits_reset(state_.get()); }
+    template <class T>
+    void add(const Image<T>& image) {
+        XXH3_64bits_update(state_.get(), image.pixels().data(), image.pixels().size_bytes());
+    }
+    std::string text() const {
+        char hex[17];
+        std::snprintf(hex, sizeof hex, "%016llx", static_cast<unsigned long long>(XXH3_64bits_digest(state_.get())));
+        return hex;
+    }
+
+  private:
+    struct Free {
+        void operator()(XXH3_state_t* state) const { XXH3_freeState(state); }
+    };
+    std::unique_ptr<XXH3_state_t, Free> state_;
+};
+
+std::string checksumOf(const DepthImage& image) {
+    Checksum sum;
+    sum.add(image.colour);
+    sum.add(image.disparity);
+    sum.add(image.flags);
+    return sum.text();
+}
+
+std::filesystem::path temporaryNameOf(const std::filesystem::path& path) {
+    std::filesystem::path part = path;
+    part += ".part";
+    return part;
+}
+
+/// Writes pages under a temporary name, then renames.
+template <class WritePages>
+void writeWhole(const std::filesystem::path& path, WritePages writePages) {
+    const std::filesystem::path part = temporaryNameOf(path);
+    try {
+        Tiff tiff = openTiff(part, "w");
+        if (!tiff) throw Failure("cannot be created", part, kWriteRemedy);
+        writePages(tiff.get());
+        if (TIFFFlush(tiff.get()) != 1) throw Failure("cannot be written", part, kWriteRemedy);
+        tiff.reset();
+        std::error_code error;
+        std::filesystem::rename(part, path, error);
+        if (error) throw Failure("cannot be renamed into place (" + error.message() + ")", path, kWriteRemedy);
+    } catch (...) {
+        std::error_code ignored;
+        std::filesystem::remove(part, ignored);
+        throw;
+    }
+}
+
+json describe(const DepthImage& image) {
+    const glm::dmat4 m = toMatrix(image.worldFromCamera);
+    json matrix = json::array();
+    for (int row = 0; row < 4; ++row)
+        for (int column = 0; column < 4; ++column) matrix.push_back(m[column][row]);
+    const Camera& c = image.camera;
+    return {{"revisit", "depth image"}, {"version", 1}, {"name", image.name}, {"width", c.width}, {"height", c.height},
+            {"fx", c.fx}, {"fy", c.fy}, {"cx", c.cx}, {"cy", c.cy}, {"world_from_camera", matrix},
+            {"checksum", checksumOf(image)}};
+}
+
+/// Camera, pose, name and checksum from the first page's description.
+std::string readDescription(TIFF* tiff, DepthImage& image, const std::filesystem::path& path) {
+    const char* text = nullptr;
+    if (TIFFGetField(tiff, TIFFTAG_IMAGEDESCRIPTION, &text) != 1 || !text)
+        throw Failure("is no depth image: it has no description", path, kReadRemedy);
+    try {
+        const json root = json::parse(text);
+        if (root.at("revisit") != "depth image") throw Failure("is no depth image", path, kReadRemedy);
+        if (root.at("version") != 1) throw Failure("is of another version", path, "build the scene again with this Revisit");
+        image.name = root.at("name").get<std::string>();
+        image.camera = {root.at("width").get<int>(), root.at("height").get<int>(), root.at("fx").get<double>(),
+                        root.at("fy").get<double>(), root.at("cx").get<double>(), root.at("cy").get<double>()};
+        const auto values = root.at("world_from_camera").get<std::vector<double>>();
+        glm::dmat4 m(0.0);
+        for (std::size_t i = 0; i < 16; ++i) m[static_cast<int>(i % 4)][static_cast<int>(i / 4)] = values.at(i);
+        constexpr double kTolerance = 1e-6;
+        const bool usable = isUsable(image.camera) && image.camera.width <= kMaxSide && image.camera.height <= kMaxSide &&
+                            values.size() == 16 && poseFromMatrix(m, kTolerance, image.worldFromCamera);
+        if (!usable) throw Failure("has a camera that is not usable", path, kReadRemedy);
+        return root.at("checksum").get<std::string>();
+    } catch (const json::exception&) {
+        throw Failure("has a description that is damaged", path, kReadRemedy);
+    } catch (const std::out_of_range&) {
+        throw Failure("has a description that is damaged", path, kReadRemedy);
+    }
+}
+
+void nextPage(TIFF* tiff, const std::filesystem::path& path) {
+    if (TIFFReadDirectory(tiff) != 1) throw Failure("lacks a page", path, kReadRemedy);
+}
+
+/// A file that claims more pixels than its bytes can hold even at deflate's best is damaged; found out before memory is taken.
+void checkSize(const Camera& camera, const std::filesystem::path& path) {
+    constexpr std::uintmax_t kBestRatio = 1100;
+    std::error_code error;
+    const std::uintmax_t bytes = std::filesystem::file_size(path, error);
+    if (error || bytesOf(camera) > bytes * kBestRatio) throw Failure("is too short for its size in pixels", path, kReadRemedy);
+}
+
+} // namespace
+
+void writeDepthTiff(const DepthImage& image, const std::filesystem::path& path) {
+    const std::string description = describe(image).dump();
+    writeWhole(path, [&](TIFF* tiff) {
+        writePage(tiff, image.colour, 8, 3, SAMPLEFORMAT_UINT, &description, path);
+        writePage(tiff, image.disparity, 32, 1, SAMPLEFORMAT_IEEEFP, nullptr, path);
+        writePage(tiff, image.flags, 8, 1, SAMPLEFORMAT_UINT, nullptr, path);
+    });
+}
+
+DepthImage readDepthTiff(const std::filesystem::path& path) {
+    const Tiff tiff = openTiff(path, "rm");
+    if (!tiff) throw Failure("cannot be opened as TIFF", path, kReadRemedy);
+    DepthImage image;
+    const std::string checksum = readDescription(tiff.get(), image, path);
+    checkSize(image.camera, path);
+    const int width = image.camera.width, height = image.camera.height;
+    image.colour = readPage<Rgb8>(tiff.get(), width, height, 8, 3, path);
+    nextPage(tiff.get(), path);
+    image.disparity = readPage<float>(tiff.get(), width, height, 32, 1, path);
+    nextPage(tiff.get(), path);
+    image.flags = readPage<std::uint8_t>(tiff.get(), width, height, 8, 1, path);
+    if (checksumOf(image) != checksum) throw Failure("has changed since it was written: its checksum differs", path, kReadRemedy);
+    for (const float disparity : image.disparity.pixels())
+        if (!std::isfinite(disparity) || disparity < 0) throw Failure("holds a disparity that is no number", path, kReadRemedy);
+    return image;
+}
+
+void writeFlagsTiff(const Image<std::uint8_t>& flags, const std::filesystem::path& path) {
+    Checksum sum;
+    sum.add(flags);
+    const std::string description = sum.text();
+    writeWhole(path, [&](TIFF* tiff) { writePage(tiff, flags, 8, 1, SAMPLEFORMAT_UINT, &description, path); });
+}
+
+Image<std::uint8_t> readFlagsTiff(const std::filesystem::path& path, const Camera& camera) {
+    const Tiff tiff = openTiff(path, "rm");
+    if (!tiff) throw Failure("cannot be opened as TIFF", path, kReadRemedy);
+    const char* text = nullptr;
+    if (TIFFGetField(tiff.get(), TIFFTAG_IMAGEDESCRIPTION, &text) != 1 || !text)
+        throw Failure("holds no flags: it has no description", path, kReadRemedy);
+    const std::string checksum = text;
+    Image<std::uint8_t> flags = readPage<std::uint8_t>(tiff.get(), camera.width, camera.height, 8, 1, path);
+    Checksum sum;
+    sum.add(flags);
+    if (sum.text() != checksum) throw Failure("has changed since it was written: its checksum differs", path, kReadRemedy);
+    return flags;
+}
+
+} // namespace scene

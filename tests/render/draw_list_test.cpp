@@ -1,0 +1,145 @@
+#include "render/draw_list.h"
+#include "tests/render/test_scenes.h"
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <cstring>
+#include <random>
+
+namespace render {
+namespace {
+
+TEST(SampleWidth, IsWhatNeighbouringSamplesAreApart) {
+    const scene::Camera source = cameraOf(400, 300, 1.2), eye = cameraOf(640, 480, 1.5);
+    std::mt19937 random(1);
+    std::uniform_real_distribution<double> unit(-1, 1);
+    for (int i = 0; i < 200; ++i) {
+        const scene::View view{eye, poseAt({0.3 * unit(random), 0.3 * unit(random), 0.3 * unit(random)},
+                                           0.4 * unit(random), 0.4 * unit(random))};
+        const glm::dmat4 c = scene::eyeImageFromSourceImage(view, source, {});
+        const double x = 200 + 180 * unit(random), y = 150 + 140 * unit(random), d = 0.5 + 0.4 * unit(random);
+        const auto at = [&](double px, double py) {
+            const glm::dvec4 h = c * glm::dvec4(px, py, 1, d);
+            return glm::dvec2(h.x / h.z, h.y / h.z);
+        };
+        const glm::dvec2 across = (at(x + 1e-3, y) - at(x - 1e-3, y)) / 2e-3,
+                         down = (at(x, y + 1e-3) - at(x, y - 1e-3)) / 2e-3;
+        const double width = std::sqrt(std::abs(across.x * down.y - across.y * down.x));
+        EXPECT_NEAR(sampleWidthInEye(c, {x, y, d}, {x, y, d}) / width, 1, 1e-5);
+    }
+}
+
+TEST(SampleWidth, OfABoxIsTheLargestAndInfiniteBehindTheEye) {
+    const scene::Camera camera = cameraOf(100, 100, 1.5);
+    const glm::dmat4 same = scene::eyeImageFromSourceImage({camera, {}}, camera, {});
+    EXPECT_NEAR(sampleWidthInEye(same, {1, 1, 0}, {90, 90, 5}), 1, 1e-12);
+    // Half a metre nearer: what was 1 m away is twice as large.
+    const glm::dmat4 nearer =
+        scene::eyeImageFromSourceImage({camera, {glm::dmat3(1.0), {0, 0, 0.5}}}, camera, {});
+    EXPECT_NEAR(sampleWidthInEye(nearer, {1, 1, 0.1}, {90, 90, 1}), 2, 1e-12);
+    EXPECT_TRUE(std::isinf(sampleWidthInEye(nearer, {1, 1, 0.1}, {90, 90, 2.5})));
+}
+
+struct Many {
+    std::vector<ResidentTile> tiles;
+    TileBounds bounds;
+    std::vector<TilePiece> pieces;
+    std::vector<glm::dmat4> matrices;
+    VisibleTiles visible;
+};
+
+/// All visible; every third without samples, pages in turns.
+Many manyTiles(std::uint32_t count) {
+    Many many;
+    std::mt19937 random(2);
+    const scene::Camera camera = cameraOf(2000, 2000, 1.5);
+    many.matrices.push_back(
+        scene::eyeImageFromSourceImage({cameraOf(640, 480, 1.5), poseAt({0.1, 0, 0.2}, 0.1, 0)}, camera, {}));
+    for (std::uint32_t i = 0; i < count; ++i) {
+        scene::Tile tile;
+        tile.x0 = static_cast<int>(random() % 1900), tile.y0 = static_cast<int>(random() % 1900),
+        tile.width = tile.height = 32;
+        tile.minDisparity = static_cast<float>(random() % 1000) / 500,
+        tile.maxDisparity = tile.minDisparity + 0.1f;
+        many.bounds.append(tile, camera);
+        many.tiles.push_back({0, i % 3, 0, i % 3 == 1 ? 0 : 10 + i % 7, 0, 5, tile.x0, tile.y0,
+                              tile.minDisparity, tile.maxDisparity});
+        many.visible.slots.push_back(i);
+    }
+    for (std::uint32_t first = 0; first < count; first += 100) {
+        many.pieces.push_back({0, first, std::min(100u, count - first)});
+        many.visible.counts.push_back(many.pieces.back().count);
+    }
+    return many;
+}
+
+DrawList listOf(const Many& many, const Quality& quality, std::vector<TileDraw>& draws) {
+    DrawList list;
+    draws.assign(many.tiles.size(), {});
+    buildDrawList(many.tiles, many.bounds, many.pieces, many.matrices, many.visible, quality, draws, list);
+    return list;
+}
+
+TEST(DrawList, GoesPageByPageNearToFar) {
+    const Many many = manyTiles(2000);
+    std::vector<TileDraw> draws;
+    const DrawList list = listOf(many, {}, draws);
+    EXPECT_EQ(list.tiles, 2000u - 667) << "tiles without samples are left out";
+    std::uint32_t next = 0, page = 0;
+    std::uint64_t items = 0;
+    for (const DrawRun& run : list.runs) {
+        EXPECT_EQ(run.first, next);
+        EXPECT_TRUE(next == 0 || run.page > page);
+        next += run.count, page = run.page;
+        double before = std::numeric_limits<double>::infinity();
+        for (std::uint32_t i = run.first; i < run.first + run.count; ++i) {
+            items += draws[i].span.z;
+            // In the middle of the box, as the order is made; to the 24 bits it is made with.
+            const vec4 centre = draws[i].base + 15.5f * (draws[i].perX + draws[i].perY) +
+                                0.5f * float(scene::kMaxQuantisedDisparity) * draws[i].perQ;
+            if (centre.z <= 0.01f) continue;
+            EXPECT_LE(centre.w / centre.z, before * 1.01);
+            before = std::min<double>(before, centre.w / centre.z);
+        }
+    }
+    EXPECT_EQ(next, list.tiles);
+    EXPECT_EQ(items, list.items);
+}
+
+TEST(DrawList, IsTheSameOnAnyNumberOfThreads) {
+    const Many many = manyTiles(5000);
+    std::vector<std::vector<TileDraw>> draws(2);
+    for (std::size_t run = 0; run < 2; ++run) {
+        const tbb::global_control threads(tbb::global_control::max_allowed_parallelism, run + 1);
+        listOf(many, {}, draws[run]);
+    }
+    EXPECT_EQ(std::memcmp(draws[0].data(), draws[1].data(), draws[0].size() * sizeof(TileDraw)), 0);
+}
+
+TEST(DrawList, FootprintsStayWithinTheirLimit) {
+    const Many many = manyTiles(1000);
+    for (const int limit : {1, 3}) {
+        Quality quality;
+        quality.maxFootprint = limit;
+        quality.footprintScale = 12; // the image has three times the pixels of the eye
+        std::vector<TileDraw> draws;
+        const DrawList list = listOf(many, quality, draws);
+        std::uint32_t largest = 0;
+        for (std::uint32_t i = 0; i < list.tiles; ++i) {
+            EXPECT_GE(draws[i].span.w, 1u);
+            largest = std::max(largest, draws[i].span.w);
+        }
+        EXPECT_EQ(largest, static_cast<std::uint32_t>(limit));
+    }
+}
+
+TEST(DrawList, OfNothingIsEmpty) {
+    DrawList list;
+    buildDrawList({}, {}, {}, {}, {}, {}, {}, list);
+    EXPECT_EQ(list.tiles, 0u);
+    EXPECT_TRUE(list.runs.empty());
+}
+
+} // namespace
+} // namespace render

@@ -1,0 +1,143 @@
+#include "tests/render/reference.h"
+#include "tests/render/test_device.h"
+#include "tests/render/test_scenes.h"
+
+#include <array>
+#include <cmath>
+
+namespace render {
+namespace {
+
+class EdgeCases : public RenderTest {};
+
+const scene::Camera kEye = cameraOf(200, 150, 1.5);
+
+TEST_F(EdgeCases, NoImagesAtAll) {
+    const GpuScene scene(testDevice(), {});
+    EXPECT_EQ(scene.bytesResident(), 0u);
+    for (const Warp warp : {Warp::points, Warp::mesh}) {
+        const EyeImage drawn = drawOnce(scene, {kEye, {}}, {.warp = warp});
+        EXPECT_EQ(coverage(drawn), 0.0);
+        for (const float depth : drawn.depthMetres.pixels())
+            ASSERT_EQ(depth, 0.0f);
+    }
+}
+
+TEST_F(EdgeCases, AnImageWithoutTilesAndOneBesideIt) {
+    scene::DepthImage empty = takePlane(kEye, {0, 0, 1}, 2);
+    for (std::uint8_t& flags : empty.flags.pixels())
+        flags = scene::kNoSurface;
+    const CutScene both = cut({empty, takePlane(kEye, {0, 0, 1}, 3)});
+    ASSERT_TRUE(both.sets[0].tiles.empty());
+    const EyeImage drawn = drawOnce(GpuScene(testDevice(), both.blocks()), {kEye, {}}, {});
+    EXPECT_EQ(coverage(drawn), 1.0);
+    EXPECT_NEAR(drawn.depthMetres(7, 7), 3, 1e-5);
+}
+
+TEST_F(EdgeCases, LookingAwayShowsNothing) {
+    const CutScene plane = cut({takePlane(cameraOf(64, 64, 0.5), {0, 0, 1}, 2)});
+    const GpuScene scene(testDevice(), plane.blocks());
+    Renderer renderer(testDevice(), scene, 200, 150, 1);
+    const scene::View away{kEye, poseAt({0, 0, 0}, std::acos(-1.0), 0)};
+    const FrameStats stats = renderer.draw(std::span(&away, 1), {});
+    EXPECT_EQ(stats.eyes[0].tilesDrawn, 0u);
+    EXPECT_EQ(coverage(renderer.readBack()[0]), 0.0);
+}
+
+TEST_F(EdgeCases, TenThousandKilometresFromTheOrigin) {
+    const scene::Pose worldFromCamera = poseAt({0.1, 0, 0}, 0.3, 0.1);
+    const scene::View view{kEye, poseAt({0.3, 0.1, -0.2}, 0.4, 0)};
+    const glm::dvec3 offset(1e7, -1e7, 1e7);
+    const CutScene here = cut({takeRoom(cameraOf(150, 150, 1.5), worldFromCamera)});
+    const CutScene there = cut({takeRoom(cameraOf(150, 150, 1.5), worldFromCamera, offset)});
+    scene::View thatView = view;
+    thatView.worldFromEye.translation += offset;
+    for (const Warp warp : {Warp::points, Warp::mesh}) {
+        const EyeImage a = drawOnce(GpuScene(testDevice(), here.blocks()), view, {.warp = warp});
+        const EyeImage b = drawOnce(GpuScene(testDevice(), there.blocks()), thatView, {.warp = warp});
+        // Positions of 10^7 m have steps of 2 nm: some samples cross a pixel's border, no more.
+        std::size_t same = 0;
+        for (std::size_t i = 0; i < a.colour.size(); ++i)
+            same += a.colour.pixels()[i] == b.colour.pixels()[i];
+        EXPECT_GE(static_cast<double>(same), 0.999 * static_cast<double>(a.colour.size()));
+    }
+}
+
+TEST_F(EdgeCases, ATenthOfAMillimetreFromASurface) {
+    const CutScene plane = cut({takePlane(cameraOf(200, 200, 1.5), {0, 0, 1}, 2)});
+    const GpuScene scene(testDevice(), plane.blocks());
+    const scene::View view{kEye, {glm::dmat3(1.0), {0.0021, 0.0013, 2 - 1e-4}}};
+    const EyeImage mesh = drawOnce(scene, view, {.warp = Warp::mesh});
+    EXPECT_EQ(coverage(mesh), 1.0);
+    for (const float depth : mesh.depthMetres.pixels())
+        ASSERT_NEAR(depth / 1e-4, 1, 0.02) << "2 um of quantisation";
+    EXPECT_NO_THROW(drawOnce(scene, view, {}));
+}
+
+TEST_F(EdgeCases, InTheSurfaceAndBehindItNothingIsDrawnOfIt) {
+    const CutScene plane = cut({takePlane(cameraOf(100, 100, 1.5), {0, 0, 1}, 2)});
+    const GpuScene scene(testDevice(), plane.blocks());
+    for (const Warp warp : {Warp::points, Warp::mesh})
+        for (const double z : {2.0, 2.5})
+            EXPECT_EQ(coverage(drawOnce(scene, {kEye, {glm::dmat3(1.0), {0, 0, z}}}, {.warp = warp})), 0.0)
+                << z;
+}
+
+TEST_F(EdgeCases, SkyStandsBehindEverythingAndInfinitelyFar) {
+    scene::DepthImage sky = takePlane(kEye, {0, 0, 1}, 1);
+    for (float& disparity : sky.disparity.pixels())
+        disparity = 0;
+    for (scene::Rgb8& colour : sky.colour.pixels())
+        colour = {250, 251, 252}; // larger than any other in a key
+    scene::DepthImage wall = takePlane(kEye, {0, 0, 1}, 5000);
+    for (int y = 0; y < 150; ++y)
+        for (int x = 100; x < 200; ++x)
+            wall.flags(x, y) |= scene::kNoSurface;
+    const CutScene both = cut({sky, wall});
+    const GpuScene scene(testDevice(), both.blocks());
+    for (const Warp warp : {Warp::points, Warp::mesh}) {
+        const EyeImage drawn = drawOnce(scene, {kEye, {}}, {.warp = warp});
+        EXPECT_EQ(coverage(drawn), 1.0);
+        EXPECT_EQ(drawn.colour(150, 70), (scene::Rgb8{250, 251, 252}));
+        EXPECT_TRUE(std::isinf(drawn.depthMetres(150, 70)));
+        EXPECT_NEAR(drawn.depthMetres(50, 70), 5000, 0.01);
+        // Moving does not move the sky.
+        const EyeImage moved = drawOnce(scene, {kEye, poseAt({900, 0, 0}, 0, 0)}, {.warp = warp});
+        EXPECT_EQ(moved.colour(150, 70), (scene::Rgb8{250, 251, 252}));
+    }
+}
+
+TEST_F(EdgeCases, SeveralPagesDrawWhatOneDraws) {
+    const CutScene room = roomFromWithin(100, 16);
+    const GpuScene whole(testDevice(), room.blocks()), paged(testDevice(), room.blocks(), 20000);
+    EXPECT_EQ(whole.pageCount(), 1u);
+    EXPECT_GT(paged.pageCount(), 20u);
+    const scene::View view{kEye, poseAt({0.3, 0, 0}, 1, 0.3)};
+    for (const Warp warp : {Warp::points, Warp::mesh})
+        EXPECT_TRUE(isSame(drawOnce(whole, view, {.warp = warp}), drawOnce(paged, view, {.warp = warp})));
+}
+
+TEST_F(EdgeCases, MoreThanAPageOfVertices) {
+    // The same block again and again: 70 MiB of vertices.
+    const CutScene plane = cut({takePlane(cameraOf(512, 512, 1.5), {0, 0, 1}, 2)});
+    const std::vector<scene::TileBlock> blocks(36, plane.blocks()[0]);
+    const GpuScene scene(testDevice(), blocks);
+    EXPECT_GT(scene.bytesResident(), 2 * kPageBytes);
+    EXPECT_GE(scene.pageCount(), 2u);
+    const scene::View view{kEye, {}};
+    EXPECT_TRUE(
+        isSame(drawOnce(scene, view, {}), drawOnce(GpuScene(testDevice(), plane.blocks()), view, {})));
+}
+
+TEST_F(EdgeCases, OnePixelAndOddSizes) {
+    const CutScene plane = cut({takePlane(cameraOf(65, 33, 1.5), {0, 0, 1}, 2)}, 63);
+    const GpuScene scene(testDevice(), plane.blocks());
+    for (const glm::ivec2 size : {glm::ivec2(1, 1), glm::ivec2(3, 1), glm::ivec2(1, 7), glm::ivec2(37, 19)}) {
+        const EyeImage drawn =
+            drawOnce(scene, {{size.x, size.y, 60, 60, size.x / 2.0, size.y / 2.0}, {}}, {.maxFootprint = 8});
+        EXPECT_EQ(coverage(drawn), 1.0) << size.x << " x " << size.y;
+    }
+}
+
+} // namespace
+} // namespace render

@@ -1,0 +1,68 @@
+#include "tests/render/test_device.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <cstring>
+
+namespace render {
+
+namespace {
+
+constexpr const char* kLayer = "VK_LAYER_KHRONOS_validation";
+
+bool listen() {
+    if (canValidate()) {
+        setenv("VK_INSTANCE_LAYERS", kLayer, 0);
+        setenv("VK_LAYER_ENABLES", "VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT", 0);
+    }
+    return true;
+}
+
+} // namespace
+
+bool canValidate() {
+    if (volkInitialize() != VK_SUCCESS) return false;
+    std::uint32_t count = 0;
+    if (vkEnumerateInstanceLayerProperties(&count, nullptr) != VK_SUCCESS) return false;
+    std::vector<VkLayerProperties> layers(count);
+    if (vkEnumerateInstanceLayerProperties(&count, layers.data()) != VK_SUCCESS) return false;
+    return std::any_of(layers.begin(), layers.end(), [](const VkLayerProperties& layer) {
+        return std::strcmp(layer.layerName, kLayer) == 0;
+    });
+}
+
+Device& testDevice() {
+    static const bool isListening = listen();
+    static Device device;
+    static_cast<void>(isListening);
+    return device;
+}
+
+void RenderTest::TearDown() {
+    for (const std::string& message : testDevice().validationMessages())
+        ADD_FAILURE() << message;
+}
+
+std::vector<EyeImage> drawOnce(const GpuScene& scene, std::span<const scene::View> views,
+                               const Quality& quality) {
+    const scene::Camera& camera = views[0].camera;
+    Renderer renderer(testDevice(), scene, camera.width, camera.height, static_cast<int>(views.size()));
+    renderer.draw(views, quality);
+    return renderer.readBack();
+}
+
+EyeImage drawOnce(const GpuScene& scene, const scene::View& view, const Quality& quality) {
+    return drawOnce(scene, std::span(&view, 1), quality)[0];
+}
+
+bool isSame(const EyeImage& a, const EyeImage& b) {
+    return a.colour == b.colour && a.pixelClass == b.pixelClass && a.depthMetres == b.depthMetres;
+}
+
+double coverage(const EyeImage& image) {
+    const auto classes = image.pixelClass.pixels();
+    const auto covered = std::count_if(classes.begin(), classes.end(), [](std::uint8_t c) { return c != 0; });
+    return static_cast<double>(covered) / static_cast<double>(classes.size());
+}
+
+} // namespace render

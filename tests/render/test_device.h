@@ -1,0 +1,37 @@
+#pragma once
+// The device that the tests draw on, with the validation layers listening where they are installed.
+
+#include "render/renderer.h"
+
+#include <gtest/gtest.h>
+
+#include <span>
+#include <vector>
+
+namespace render {
+
+/// One for all tests. Turns on core and synchronisation validation before it is made, unless
+/// VK_INSTANCE_LAYERS is set.
+Device& testDevice();
+
+/// Whether the validation layer is installed.
+bool canValidate();
+
+/// Fails after a test during which the validation layers had anything to say.
+class RenderTest : public testing::Test {
+  protected:
+    void TearDown() override;
+};
+
+/// Draws one frame and returns its pictures.
+std::vector<EyeImage> drawOnce(const GpuScene& scene, std::span<const scene::View> views,
+                               const Quality& quality);
+EyeImage drawOnce(const GpuScene& scene, const scene::View& view, const Quality& quality);
+
+/// Same bytes in colour, depth and class.
+bool isSame(const EyeImage& a, const EyeImage& b);
+
+/// Share of pixels that are not background.
+double coverage(const EyeImage& image);
+
+} // namespace render

@@ -1,0 +1,42 @@
+#pragma once
+// Depth images whose every sample is known: a furnished room, and a plane. World: y down, as a level camera
+// sees it.
+
+#include "scene/depth_image.h"
+#include "scene/tile.h"
+#include "scene/view.h"
+
+#include <vector>
+
+namespace render {
+
+/// A camera of that size with a horizontal field of view in radians, looking through its middle.
+scene::Camera cameraOf(int width, int height, double horizontalFieldOfView);
+
+/// Turned to the right by yaw and down by pitch (radians), at a place in the world (metres).
+scene::Pose poseAt(const glm::dvec3& pInWorld, double yaw, double pitch);
+
+/// What a camera takes of a room 8 m wide (x), 3 m high (y) and 6 m deep (z) around the origin, with four
+/// balls in it. Triangles that bridge two surfaces are marked as skins. offset moves room and camera
+/// together.
+scene::DepthImage takeRoom(const scene::Camera& camera, const scene::Pose& worldFromCamera,
+                           const glm::dvec3& offset = glm::dvec3(0));
+
+/// A plane dot(normal, pInCamera) = distance before a camera at the origin; colour tells the pixel.
+scene::DepthImage takePlane(const scene::Camera& camera, const glm::dvec3& normal, double distance);
+
+/// Depth images cut into tiles, kept together with what lends them.
+struct CutScene {
+    std::vector<scene::DepthImage> images;
+    std::vector<scene::TileSet> sets;
+    std::vector<scene::TileBlock> blocks() const;
+};
+CutScene cut(std::vector<scene::DepthImage> images, int tileSize = scene::kDefaultTileSize);
+
+/// Six square faces from the middle of the room, size pixels wide.
+CutScene roomFromWithin(int size, int tileSize = scene::kDefaultTileSize);
+
+/// Samples of all blocks that the points warp draws.
+std::size_t pointsOf(const CutScene& scene);
+
+} // namespace render
