@@ -78,12 +78,19 @@ run unpack "cannot unpack $(basename "$archive")" \
 source=$(find "$part/source" -type d -path '*/src/3rdParty/libE57Format' | head -n 1)
 [ -n "$source" ] || fail "$(basename "$archive") has no src/3rdParty/libE57Format any more"
 
-# Version 2.2.1 wants every index packet to be as long as the longest one, and so refuses what later versions write. An
-# index packet is at least as long as its header.
-run patch "cannot correct how libE57Format reads index packets" \
-    sed -i '/^void IndexPacket::verify/,/^}/ s/packetLength < sizeof( \*this )/packetLength < 16/' "$source/src/Packet.cpp"
-grep -q 'packetLength < 16' "$source/src/Packet.cpp" ||
-    fail "libE57Format's source has changed: see how IndexPacket::verify in src/Packet.cpp checks the length"
+# Two faults of version 2.2.1 are corrected. correct FILE SED-COMMAND: changes that file of its source, or fails.
+correct() {
+    local file="$source/src/$1" before
+    before=$(cksum "$file") || fail "libE57Format's source has no src/$1 any more"
+    run correct "cannot correct src/$1" sed -i "$2" "$file"
+    [ "$before" != "$(cksum "$file")" ] || fail "libE57Format's source has changed: see what is corrected in src/$1"
+}
+# It wants every index packet to be as long as the longest one, and so refuses the files that its own later versions write.
+# An index packet is at least as long as its header.
+correct Packet.cpp '/^void IndexPacket::verify/,/^}/ s/packetLength < sizeof( \*this )/packetLength < 16/'
+# It looks a word past the end of its buffer where the last integer does not reach into that word.
+correct Decoder.cpp \
+    's/RegisterT high = inp\[wordPosition + 1\];/RegisterT high = bitOffset + bitsPerRecord_ > 8 * sizeof( RegisterT ) ? inp[wordPosition + 1] : 0;/'
 
 say "building it"
 run configure "cmake cannot configure libE57Format" \
