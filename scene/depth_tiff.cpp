@@ -222,6 +222,14 @@ DepthImage readDepthTiff(const std::filesystem::path& path) {
     return image;
 }
 
+DepthImage readDepthTiffHeader(const std::filesystem::path& path) {
+    const Tiff tiff = openTiff(path, "rm");
+    if (!tiff) throw Failure("cannot be opened as TIFF", path, kReadRemedy);
+    DepthImage image;
+    readDescription(tiff.get(), image, path);
+    return image;
+}
+
 void writeFlagsTiff(const Image<std::uint8_t>& flags, const std::filesystem::path& path) {
     Checksum sum;
     sum.add(flags);

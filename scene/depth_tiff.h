@@ -18,6 +18,9 @@ void writeDepthTiff(const DepthImage& image, const std::filesystem::path& path);
 /// Reads what writeDepthTiff wrote; everything is checked before it is used. Throws Failure with path and cause.
 DepthImage readDepthTiff(const std::filesystem::path& path);
 
+/// Name, camera and pose alone; the pictures are empty.
+DepthImage readDepthTiffHeader(const std::filesystem::path& path);
+
 /// The flags alone: one page, same rules.
 void writeFlagsTiff(const Image<std::uint8_t>& flags, const std::filesystem::path& path);
 Image<std::uint8_t> readFlagsTiff(const std::filesystem::path& path, const Camera& camera);

@@ -1,0 +1,154 @@
+// refine: overlaps, skins, what is kept, fusion and tiles, in files.
+
+#include "app/build_stages.h"
+#include "app/progress.h"
+
+#include "scene/depth_tiff.h"
+#include "scene/errors.h"
+#include "scene/scene_file.h"
+
+
+#include <tbb/parallel_for.h>
+
+namespace app {
+
+namespace {
+
+using nlohmann::json;
+
+constexpr int kRefineVersion = 1;
+
+json describe(const scene::ComparisonOptions& o) { return {o.sameSurface, o.pixelError}; }
+
+/// Half of the memory for pixels; the rest is for what the stages keep beside them.
+scene::ImageStore openImages(const std::vector<scene::StoredImage>& images, const BuildOptions& options) {
+    return {images, options.memoryBytes / 2};
+}
+
+bool exists(const std::filesystem::path& path) {
+    std::error_code ignored;
+    return std::filesystem::exists(path, ignored);
+}
+
+json readJson(const std::filesystem::path& path) {
+    const std::vector<std::byte> bytes = readWhole(path);
+    try {
+        return json::parse(reinterpret_cast<const char*>(bytes.data()), reinterpret_cast<const char*>(bytes.data()) + bytes.size());
+    } catch (const json::exception&) {
+        throw scene::Failure("is damaged", path, "remove the folder it is in and build again");
+    }
+}
+
+scene::Image<scene::Keep> readKept(const std::filesystem::path& file, const scene::Camera& camera) {
+    const scene::Image<std::uint8_t> bytes = scene::readFlagsTiff(file, camera);
+    scene::Image<scene::Keep> kept(camera.width, camera.height);
+    for (std::size_t i = 0; i < kept.size(); ++i) kept.pixels()[i] = static_cast<scene::Keep>(bytes.pixels()[i]);
+    return kept;
+}
+
+} // namespace
+
+Overlaps findOverlaps(const ImportedImages& imported, const BuildOptions& options) {
+    scene::ImageStore images = openImages(imported.images, options);
+    std::vector<scene::ImageOutline> outlines(images.size());
+    Progress progress("overlaps", images.size());
+    tbb::parallel_for(std::size_t{0}, images.size(), [&](std::size_t i) {
+        outlines[i] = scene::outlineOf(*images.borrow(i));
+        progress.advance();
+    });
+    Overlaps overlaps;
+    overlaps.partners = scene::findPartners(outlines);
+    for (const auto& partners : overlaps.partners) overlaps.pairs += std::ssize(partners);
+    overlaps.pairs /= 2;
+    return overlaps;
+}
+
+SkinStage markSkins(const ImportedImages& imported, const Overlaps& overlaps, const BuildOptions& options, StageStore& store) {
+    const scene::SkinOptions& o = options.skins;
+    SkinStage stage;
+    stage.key = keyOf({kRefineVersion, imported.key, o.planarity, o.maxPartners, describe(o.comparison)});
+    const std::filesystem::path folder = store.folderOf("skins", stage.key);
+    scene::ImageStore images = openImages(imported.images, options);
+    stage.images = imported.images;
+    std::vector<scene::SkinFigures> figures(images.size());
+    Progress progress("skins", images.size());
+    tbb::parallel_for(std::size_t{0}, images.size(), [&](std::size_t i) {
+        const std::string name = imported.images[i].name;
+        const std::filesystem::path flagsFile = folder / (name + ".flags.tiff"), figuresFile = folder / (name + ".json");
+        if (!exists(figuresFile)) {
+            writeFlagsTiff(scene::markSkins(images, i, overlaps.partners[i], o, figures[i]), flagsFile);
+            const scene::SkinFigures& f = figures[i];
+            writeWhole(figuresFile, json{f.samples, f.triangles, f.planarSkins, f.seenThrough, f.floating}.dump());
+        } else {
+            const json f = readJson(figuresFile);
+            figures[i] = {f.at(0), f.at(1), f.at(2), f.at(3), f.at(4)};
+        }
+        stage.images[i].flagsFile = flagsFile;
+        progress.advance();
+    });
+    for (const scene::SkinFigures& f : figures) {
+        stage.figures.samples += f.samples, stage.figures.triangles += f.triangles;
+        stage.figures.planarSkins += f.planarSkins, stage.figures.seenThrough += f.seenThrough;
+        stage.figures.floating += f.floating;
+    }
+    return stage;
+}
+
+KeepStage keepBest(const ImportedImages& imported, const Overlaps& overlaps, const SkinStage& skins, const BuildOptions& options,
+                   StageStore& store) {
+    const scene::RedundancyOptions& o = options.redundancy;
+    KeepStage stage;
+    stage.key = keyOf({kRefineVersion, skins.key, options.cull, o.preference, o.baselineShare, o.tileSize, describe(o.comparison)});
+    Progress progress("redundancy", imported.images.size());
+    const std::filesystem::path folder = store.find("kept", stage.key, [&](const std::filesystem::path& part) {
+        scene::ImageStore images = openImages(skins.images, options);
+        scene::RedundancyFigures figures;
+        std::vector<scene::Image<scene::Keep>> kept;
+        if (options.cull) {
+            kept = scene::findKept(images, overlaps.partners, o, figures);
+        } else {
+            for (const scene::StoredImage& image : skins.images)
+                kept.emplace_back(image.camera.width, image.camera.height, scene::Keep::base);
+            figures = {skins.figures.samples - skins.figures.floating, skins.figures.samples - skins.figures.floating, 0};
+        }
+        for (std::size_t i = 0; i < kept.size(); ++i) {
+            scene::Image<std::uint8_t> bytes(kept[i].width(), kept[i].height());
+            for (std::size_t k = 0; k < bytes.size(); ++k) bytes.pixels()[k] = static_cast<std::uint8_t>(kept[i].pixels()[k]);
+            writeFlagsTiff(bytes, part / (imported.images[i].name + ".tiff"));
+        }
+        writeWhole(part / "figures.json", json{figures.samples, figures.base, figures.directional}.dump());
+    });
+    progress.advance(imported.images.size());
+    const json figures = readJson(folder / "figures.json");
+    stage.figures = {figures.at(0), figures.at(1), figures.at(2)};
+    for (const scene::StoredImage& image : imported.images) stage.files.push_back(folder / (image.name + ".tiff"));
+    return stage;
+}
+
+TileStage fuseAndCut(const ImportedImages& imported, const Overlaps& overlaps, const SkinStage& skins, const KeepStage& kept,
+                     const BuildOptions& options, StageStore& store) {
+    scene::FusionOptions o = options.fusion;
+    if (!options.fuse) o.maxPartners = 0;
+    const std::string key = keyOf({kRefineVersion, kept.key, o.maxPartners, o.angleRadians, o.colourStep, describe(o.comparison), options.tileSize});
+    const std::filesystem::path folder = store.folderOf("tiles", key);
+    scene::ImageStore images = openImages(skins.images, options);
+    TileStage stage;
+    for (const scene::StoredImage& image : imported.images) {
+        stage.blocks.push_back(folder / (image.name + ".block"));
+        stage.flags.push_back(folder / (image.name + ".flags.tiff"));
+    }
+    Progress progress("fusion", images.size());
+    tbb::parallel_for(std::size_t{0}, images.size(), [&](std::size_t i) {
+        // The block is written last: where it is, the flags are too.
+        if (!exists(stage.blocks[i])) {
+            const scene::DepthImage fused =
+                scene::fuse(images, i, overlaps.partners[i], readKept(kept.files[i], imported.images[i].camera), o);
+            writeFlagsTiff(fused.flags, stage.flags[i]);
+            writeWhole(stage.blocks[i], scene::packTiles(scene::cutIntoTiles(fused, options.tileSize)));
+        }
+        progress.advance();
+    });
+    return stage;
+}
+
+} // namespace app

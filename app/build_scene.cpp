@@ -1,0 +1,34 @@
+#include "app/build_scene.h"
+
+#include "app/build_stages.h"
+#include "app/progress.h"
+
+#include "scene/errors.h"
+#include "scene/import/importer.h"
+
+#include <cstdio>
+
+namespace app {
+
+void buildScene(const BuildOptions& options) {
+    const scene::Capture capture = scene::openCapture(options.inputs);
+    const std::vector<std::size_t> heldOut = scene::findHeldOut(capture, options.holdOut);
+    for (const std::string& remark : capture.remarks) std::fprintf(stderr, "note: %s\n", remark.c_str());
+
+    std::filesystem::path work = std::filesystem::absolute(options.output).lexically_normal();
+    if (!work.has_filename()) work = work.parent_path();
+    const std::filesystem::path output = work;
+    work += ".build";
+    StageStore store(work);
+
+    const ImportedImages imported = importImages(capture, heldOut, options, store);
+    if (imported.images.empty())
+        throw scene::Failure("holds no image or scan with range", options.inputs.front(), "check the capture, or hold out less");
+    const Overlaps overlaps = findOverlaps(imported, options);
+    const SkinStage skins = markSkins(imported, overlaps, options, store);
+    const KeepStage kept = keepBest(imported, overlaps, skins, options, store);
+    const TileStage tiles = fuseAndCut(imported, overlaps, skins, kept, options, store);
+    writeScene(output, capture, heldOut, imported, overlaps, skins, kept, tiles, options);
+}
+
+} // namespace app

@@ -1,0 +1,35 @@
+#pragma once
+// A build: import -> project -> refine -> scene file, each stage kept under a key.
+
+#include "scene/project/cube_faces.h"
+#include "scene/project/dropouts.h"
+#include "scene/refine/fusion.h"
+#include "scene/refine/redundancy.h"
+#include "scene/refine/skins.h"
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace app {
+
+/// What the user may ask of a build; the parts' own options, once.
+struct BuildOptions {
+    std::vector<std::filesystem::path> inputs;
+    std::filesystem::path output;
+    std::string holdOut;                   ///< every:N:FIRST, a file of names, or empty
+    std::size_t memoryBytes = 8ull << 30;  ///< pixels held at a time
+    bool cull = true;                      ///< false: every sample is kept
+    bool fuse = true;                      ///< false: kept samples stay as they were captured
+    int tileSize = scene::kDefaultTileSize;
+    scene::CubeFaceOptions cubeFaces;
+    scene::DropoutOptions dropouts;
+    scene::SkinOptions skins;
+    scene::RedundancyOptions redundancy;
+    scene::FusionOptions fusion;
+};
+
+/// Builds the scene folder; nothing stands under its name before it is whole. Throws scene::Failure.
+void buildScene(const BuildOptions& options);
+
+} // namespace app

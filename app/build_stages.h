@@ -1,0 +1,58 @@
+#pragma once
+// The stages of a build as the command runs them: each takes the results of those before it, in files, and leaves its own.
+
+#include "app/build_scene.h"
+#include "app/stage_store.h"
+
+#include "scene/image_store.h"
+#include "scene/import/capture.h"
+#include "scene/refine/pairs.h"
+
+namespace app {
+
+/// import and project: every photo and every face of every scan as a depth image file.
+struct ImportedImages {
+    std::vector<scene::StoredImage> images;
+    std::string key;
+    scene::CubeFaceReport scanPoints; ///< summed over the scans
+    glm::dvec3 uprightInWorld{0};     ///< scans say what is up; zero if there are none
+};
+ImportedImages importImages(const scene::Capture& capture, const std::vector<std::size_t>& heldOut, const BuildOptions& options,
+                            StageStore& store);
+
+struct Overlaps {
+    std::vector<std::vector<scene::Partner>> partners;
+    std::int64_t pairs = 0;
+};
+Overlaps findOverlaps(const ImportedImages& imported, const BuildOptions& options);
+
+/// refine, first part: a file of flags for each image.
+struct SkinStage {
+    std::vector<scene::StoredImage> images; ///< as imported, with the new flags
+    scene::SkinFigures figures;
+    std::string key;
+};
+SkinStage markSkins(const ImportedImages& imported, const Overlaps& overlaps, const BuildOptions& options, StageStore& store);
+
+/// refine, second part: a file for each image that says what is kept of it.
+struct KeepStage {
+    std::vector<std::filesystem::path> files;
+    scene::RedundancyFigures figures;
+    std::string key;
+};
+KeepStage keepBest(const ImportedImages& imported, const Overlaps& overlaps, const SkinStage& skins, const BuildOptions& options,
+                   StageStore& store);
+
+/// refine, third part: fused and cut into tiles, a block of tiles and a file of final flags for each image.
+struct TileStage {
+    std::vector<std::filesystem::path> blocks, flags;
+};
+TileStage fuseAndCut(const ImportedImages& imported, const Overlaps& overlaps, const SkinStage& skins, const KeepStage& kept,
+                     const BuildOptions& options, StageStore& store);
+
+/// The scene folder, under a temporary name until it is whole.
+void writeScene(const std::filesystem::path& output, const scene::Capture& capture, const std::vector<std::size_t>& heldOut,
+                const ImportedImages& imported, const Overlaps& overlaps, const SkinStage& skins, const KeepStage& kept,
+                const TileStage& tiles, const BuildOptions& options);
+
+} // namespace app

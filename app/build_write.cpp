@@ -1,0 +1,170 @@
+// The scene folder: images, tiles and manifest, under a temporary name until all is there.
+
+#include "app/build_stages.h"
+#include "app/progress.h"
+#include "app/version.h"
+
+#include "scene/depth_tiff.h"
+#include "scene/errors.h"
+#include "scene/scene_file.h"
+
+#include <cerrno>
+#include <cstring>
+
+#include <fcntl.h>
+#include <stdio.h>
+#include <unistd.h>
+
+#include <tbb/parallel_for.h>
+
+namespace app {
+
+namespace {
+
+using nlohmann::json;
+
+constexpr const char* kWriteRemedy = "check that the disk has room and the folder may be written";
+
+json rowMajor(const scene::Pose& pose) {
+    json numbers = json::array();
+    const glm::dmat4 m = toMatrix(pose);
+    for (int i = 0; i < 16; ++i) numbers.push_back(m[i % 4][i / 4]);
+    return numbers;
+}
+
+json describe(const std::string& name, const scene::Camera& c, const scene::Pose& worldFromCamera) {
+    return {{"name", name}, {"width", c.width}, {"height", c.height}, {"fx", c.fx}, {"fy", c.fy}, {"cx", c.cx}, {"cy", c.cy},
+            {"world_from_camera", rowMajor(worldFromCamera)}};
+}
+
+json describeOptions(const BuildOptions& o) {
+    return {{"hold_out", o.holdOut},
+            {"cull", o.cull},
+            {"fuse", o.fuse},
+            {"tile_size", o.tileSize},
+            {"skin_planarity", o.skins.planarity},
+            {"same_surface", o.skins.comparison.sameSurface},
+            {"cull_preference", o.redundancy.preference},
+            {"cull_baseline_share", o.redundancy.baselineShare},
+            {"fusion_angle_rad", o.fusion.angleRadians},
+            {"fusion_colour_step", o.fusion.colourStep}};
+}
+
+/// What was built and what was not, and why, in words for info.
+json explain(const scene::Capture& capture, const Overlaps& overlaps, const BuildOptions& o) {
+    json reasons = json::array();
+    reasons.push_back("depth images: " + std::to_string(capture.photos.size()) + " photographs and " +
+                      std::to_string(capture.scans.size()) + " scans in the capture");
+    reasons.push_back(overlaps.pairs > 0 ? "skins, redundancy and fusion over " + std::to_string(overlaps.pairs) + " overlapping pairs"
+                                         : std::string("skins by planarity alone: no two images overlap"));
+    if (!o.cull) reasons.push_back("no culling: every sample is kept, as asked");
+    if (!o.fuse) reasons.push_back("no fusion: samples stay as captured, as asked");
+    return reasons;
+}
+
+/// Puts a whole folder in place of another in one step; nothing else ever stands under the name.
+void putInPlace(const std::filesystem::path& part, const std::filesystem::path& output) {
+    std::error_code ignored;
+    if (!std::filesystem::exists(output, ignored)) {
+        if (::rename(part.c_str(), output.c_str()) != 0)
+            throw scene::Failure(std::string("cannot be renamed into place (") + std::strerror(errno) + ")", output, kWriteRemedy);
+        return;
+    }
+    if (renameat2(AT_FDCWD, part.c_str(), AT_FDCWD, output.c_str(), RENAME_EXCHANGE) != 0)
+        throw scene::Failure(std::string("cannot be exchanged for the new scene (") + std::strerror(errno) + ")", output,
+                             "remove the old scene, or give another name with -o");
+    std::filesystem::remove_all(part, ignored);
+}
+
+void writeImages(const std::filesystem::path& folder, const ImportedImages& imported, const TileStage& tiles) {
+    std::error_code error;
+    std::filesystem::create_directories(folder, error);
+    if (error) throw scene::Failure("cannot be made (" + error.message() + ")", folder, kWriteRemedy);
+    Progress progress("images", imported.images.size());
+    tbb::parallel_for(std::size_t{0}, imported.images.size(), [&](std::size_t i) {
+        scene::DepthImage image = scene::readDepthTiff(imported.images[i].file);
+        image.name = imported.images[i].name;
+        image.flags = scene::readFlagsTiff(tiles.flags[i], image.camera);
+        writeDepthTiff(image, folder / (image.name + ".tiff"));
+        progress.advance();
+    });
+}
+
+/// A scene that is not Revisit's must not be replaced by one.
+void checkReplaceable(const std::filesystem::path& output) {
+    std::error_code ignored;
+    if (!std::filesystem::exists(output, ignored)) return;
+    const bool isScene = std::filesystem::is_directory(output, ignored) &&
+                         (std::filesystem::exists(output / "scene.json", ignored) || std::filesystem::is_empty(output, ignored));
+    if (!isScene) throw scene::Failure("exists and is no scene", output, "give another name with -o");
+}
+
+} // namespace
+
+void writeScene(const std::filesystem::path& output, const scene::Capture& capture, const std::vector<std::size_t>& heldOut,
+                const ImportedImages& imported, const Overlaps& overlaps, const SkinStage& skins, const KeepStage& kept,
+                const TileStage& tiles, const BuildOptions& options) {
+    checkReplaceable(output);
+    std::filesystem::path part = output;
+    part += ".part";
+    std::error_code ignored;
+    std::filesystem::remove_all(part, ignored);
+    try {
+        writeImages(part / "images", imported, tiles);
+        std::int64_t tileCount = 0, quads = 0, points = 0;
+        const auto tilesOf = [&](std::size_t i) {
+            scene::TileSet set = scene::unpackTiles(readWhole(tiles.blocks[i]), tiles.blocks[i].string());
+            tileCount += std::ssize(set.tiles), quads += std::ssize(set.quads);
+            for (const scene::Tile& tile : set.tiles) points += tile.pointCount;
+            return set;
+        };
+        scene::writeTilesFile(part / "tiles.bin", imported.images.size(), tilesOf);
+
+        json images = json::array(), heldOutCameras = json::array(), inputs = json::array();
+        for (const scene::StoredImage& image : imported.images) {
+            images.push_back(describe(image.name, image.camera, image.worldFromCamera));
+        }
+        for (const std::size_t i : heldOut)
+            heldOutCameras.push_back(describe(capture.photos[i].name, capture.photos[i].camera, capture.photos[i].worldFromCamera));
+        for (const auto& input : options.inputs) inputs.push_back(input.string());
+
+        json manifest{{"revisit", "scene"},
+                      {"version", 1},
+                      {"program", kVersion},
+                      {"provenance", {{"inputs", inputs}, {"remarks", capture.remarks}}},
+                      {"options", describeOptions(options)},
+                      {"built", explain(capture, overlaps, options)},
+                      {"images", images},
+                      {"held_out", heldOutCameras},
+                      {"walk_from_world", rowMajor({})},
+                      {"figures",
+                       {{"images", imported.images.size()},
+                        {"overlapping_pairs", overlaps.pairs},
+                        {"samples", kept.figures.samples},
+                        {"samples_base", kept.figures.base},
+                        {"samples_directional", kept.figures.directional},
+                        {"samples_floating", skins.figures.floating},
+                        {"triangles", skins.figures.triangles},
+                        {"triangles_skin_planarity", skins.figures.planarSkins},
+                        {"triangles_skin_seen_through", skins.figures.seenThrough},
+                        {"scan_points", imported.scanPoints.points},
+                        {"scan_points_held", imported.scanPoints.held},
+                        {"scan_points_dropped", imported.scanPoints.dropped},
+                        {"tiles", tileCount},
+                        {"points_stored", points},
+                        {"quads_stored", quads}}}};
+        writeWhole(part / "scene.json", manifest.dump(1) + "\n");
+
+        // Read back, which checks every block, and lay walk space into what was built.
+        const scene::Scene written = scene::openScene(part);
+        manifest["walk_from_world"] = rowMajor(findWalkSpace(written.images, written.blocks, imported.uprightInWorld));
+        writeWhole(part / "scene.json", manifest.dump(1) + "\n");
+        sync();
+        putInPlace(part, output);
+    } catch (...) {
+        std::filesystem::remove_all(part, ignored);
+        throw;
+    }
+}
+
+} // namespace app

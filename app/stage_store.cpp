@@ -1,0 +1,116 @@
+#include "app/stage_store.h"
+
+#include "scene/errors.h"
+
+#include <cstdio>
+#include <fstream>
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+#include <xxhash.h>
+
+namespace app {
+
+namespace {
+
+constexpr const char* kWriteRemedy = "check that the disk has room and the folder may be written";
+
+std::filesystem::path withSuffix(std::filesystem::path path, const char* suffix) {
+    path += suffix;
+    return path;
+}
+
+void makeFolder(const std::filesystem::path& folder) {
+    std::error_code error;
+    std::filesystem::create_directories(folder, error);
+    if (error) throw scene::Failure("cannot be made (" + error.message() + ")", folder, kWriteRemedy);
+}
+
+void rename(const std::filesystem::path& from, const std::filesystem::path& to) {
+    std::error_code error;
+    std::filesystem::rename(from, to, error);
+    if (error) throw scene::Failure("cannot be renamed into place (" + error.message() + ")", to, kWriteRemedy);
+}
+
+} // namespace
+
+std::string keyOf(const nlohmann::json& inputAndOptions) {
+    const std::string text = inputAndOptions.dump();
+    const XXH128_hash_t hash = XXH3_128bits(text.data(), text.size());
+    char hex[33];
+    std::snprintf(hex, sizeof hex, "%016llx%016llx", static_cast<unsigned long long>(hash.high64),
+                  static_cast<unsigned long long>(hash.low64));
+    return hex;
+}
+
+nlohmann::json fingerprintOf(const std::filesystem::path& file) {
+    std::error_code error;
+    const auto size = std::filesystem::file_size(file, error);
+    const auto time = std::filesystem::last_write_time(file, error);
+    return {std::filesystem::absolute(file).string(), error ? 0 : size, error ? 0 : time.time_since_epoch().count()};
+}
+
+StageStore::StageStore(std::filesystem::path folder) : folder_(std::move(folder)) {
+    makeFolder(folder_);
+    const std::filesystem::path lockFile = folder_ / "lock";
+    lock_ = open(lockFile.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
+    if (lock_ < 0) throw scene::Failure("cannot be written", lockFile, kWriteRemedy);
+    if (flock(lock_, LOCK_EX | LOCK_NB) != 0) {
+        close(lock_);
+        throw scene::Failure("another build is writing this scene", folder_, "wait for it to end, or give another name with -o");
+    }
+}
+
+StageStore::~StageStore() { close(lock_); }
+
+std::filesystem::path StageStore::folderOf(const std::string& stage, const std::string& key) {
+    const std::filesystem::path folder = folder_ / (stage + "-" + key);
+    makeFolder(folder);
+    return folder;
+}
+
+std::filesystem::path StageStore::find(const std::string& stage, const std::string& key,
+                                       const std::function<void(const std::filesystem::path&)>& make) {
+    const std::filesystem::path folder = folder_ / (stage + "-" + key);
+    std::error_code ignored;
+    if (std::filesystem::exists(folder, ignored)) return folder;
+    const std::filesystem::path part = withSuffix(folder, ".part");
+    std::filesystem::remove_all(part, ignored);
+    makeFolder(part);
+    try {
+        make(part);
+    } catch (...) {
+        std::filesystem::remove_all(part, ignored);
+        throw;
+    }
+    rename(part, folder);
+    return folder;
+}
+
+void writeWhole(const std::filesystem::path& path, std::span<const std::byte> bytes) {
+    const std::filesystem::path part = withSuffix(path, ".part");
+    std::ofstream file(part, std::ios::binary | std::ios::trunc);
+    file.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+    file.close();
+    if (!file) {
+        std::error_code ignored;
+        std::filesystem::remove(part, ignored);
+        throw scene::Failure("cannot be written", path, kWriteRemedy);
+    }
+    rename(part, path);
+}
+
+void writeWhole(const std::filesystem::path& path, const std::string& text) { writeWhole(path, std::as_bytes(std::span(text))); }
+
+std::vector<std::byte> readWhole(const std::filesystem::path& path) {
+    std::ifstream file(path, std::ios::binary | std::ios::ate);
+    if (!file) throw scene::Failure("cannot be opened", path, "check that it is readable");
+    std::vector<std::byte> bytes(static_cast<std::size_t>(file.tellg()));
+    file.seekg(0);
+    file.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+    if (!file) throw scene::Failure("cannot be read", path, "check the disk");
+    return bytes;
+}
+
+} // namespace app

@@ -1,0 +1,47 @@
+#pragma once
+// What the stages of a build leave behind, kept under keys made of their input and options: a build that was killed goes on where
+// it was, and a changed option redoes only what depends on it. The folder may be removed at any time.
+
+#include <nlohmann/json.hpp>
+
+#include <filesystem>
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace app {
+
+/// 32 hexadecimal digits of XXH3-128 over the JSON's text (objects are sorted by name).
+std::string keyOf(const nlohmann::json& inputAndOptions);
+
+/// A file or folder of which a stage's result depends: path, size and time of last change.
+nlohmann::json fingerprintOf(const std::filesystem::path& file);
+
+class StageStore {
+  public:
+    /// Throws scene::Failure if the folder cannot be made or another build uses it.
+    explicit StageStore(std::filesystem::path folder);
+    ~StageStore();
+    StageStore(const StageStore&) = delete;
+    StageStore& operator=(const StageStore&) = delete;
+
+    /// FOLDER/STAGE-KEY, made if it is not there: for stages that keep a file for each item.
+    std::filesystem::path folderOf(const std::string& stage, const std::string& key);
+
+    /// The folder of a result that consists of several files; if it is not there, `make` fills a temporary one, which gets the
+    /// name when it is whole.
+    std::filesystem::path find(const std::string& stage, const std::string& key,
+                               const std::function<void(const std::filesystem::path&)>& make);
+
+  private:
+    std::filesystem::path folder_;
+    int lock_ = -1;
+};
+
+/// Writes under a temporary name and renames: whole or not there. Throws scene::Failure.
+void writeWhole(const std::filesystem::path& path, std::span<const std::byte> bytes);
+void writeWhole(const std::filesystem::path& path, const std::string& text);
+std::vector<std::byte> readWhole(const std::filesystem::path& path);
+
+} // namespace app

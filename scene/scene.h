@@ -1,0 +1,36 @@
+#pragma once
+// A scene that was built: its images, how walk space lies in the world, and its tiles, mapped from disk.
+
+#include "scene/mapped_file.h"
+#include "scene/tile.h"
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace scene {
+
+/// An image of the scene by its camera; its pixels stand in images/NAME.tiff.
+struct SceneImage {
+    std::string name;
+    Camera camera;
+    Pose worldFromCamera;
+};
+
+/// Owns the mapping that blocks point into; move only.
+struct Scene {
+    std::filesystem::path folder;
+    std::vector<SceneImage> images;
+    std::vector<SceneImage> heldOut; ///< cameras kept out of the scene, to compare with
+    Pose walkFromWorld;              ///< metres, +Y up, floor at Y = 0, the start at the origin
+    std::string manifest;            ///< scene.json as it was written
+    MappedFile tilesFile;
+    std::vector<TileBlock> blocks; ///< one for each image, in the same order
+};
+
+/// Walk space for a capture: up is what the cameras hold upright on average (their x axes lie level), the floor is the lowest
+/// surface with a fair share of samples, the origin is on the floor under the first camera, which looks towards -Z.
+/// uprightInWorld: the capture's own up if its format has one (scans: +Z), else zero.
+Pose findWalkSpace(const std::vector<SceneImage>& images, const std::vector<TileBlock>& blocks, const glm::dvec3& uprightInWorld);
+
+} // namespace scene
