@@ -8,6 +8,7 @@
 
 #include <cmath>
 #include <random>
+#include <utility>
 
 namespace render {
 namespace {
@@ -108,14 +109,19 @@ TEST(TriangleCover, AgreesWithBarycentricCoordinates) {
     EXPECT_GT(inside, 1000);
 }
 
-TEST(TriangleCover, EdgeIsExactlyAntisymmetric) {
-    std::mt19937 random(13);
-    std::uniform_real_distribution<float> place(-1e4f, 1e4f);
-    for (int i = 0; i < 10000; ++i) {
-        const vec3 a(place(random), place(random), 0), b(place(random), place(random), 0);
-        const vec2 p(place(random), place(random));
-        EXPECT_EQ(edge(a, b, p), -edge(b, a, p));
-    }
+TEST(TriangleCover, FatEdgesReachASixtyFourthOfAPixelAndNotTwoOfThem) {
+    // Legs of 10 pixels along the grid, and the same turned round.
+    const vec3 a(10, 10, 1), b(20, 10, 1), c(10, 20, 1);
+    for (const auto& [p, q] : {std::pair(b, c), std::pair(c, b)})
+        for (const float outside : {0.9f, 1.1f}) {
+            const bool isCovered = outside < 1;
+            const float by = outside * kFatEdge;
+            EXPECT_EQ(cover(setUp(a, p, q, vec2(15, 10 - by)), a, p, q, vec2(0)).disparity >= 0, isCovered);
+            EXPECT_EQ(cover(setUp(a, p, q, vec2(10 - by, 15)), a, p, q, vec2(0)).disparity >= 0, isCovered);
+            // On the diagonal a little farther: its length is taken as the sum of the legs.
+            EXPECT_EQ(cover(setUp(a, p, q, vec2(15 + by, 15 + by)), a, p, q, vec2(0)).disparity >= 0,
+                      isCovered);
+        }
 }
 
 TEST(TriangleCover, WithoutAreaNothingIsCovered) {
