@@ -55,8 +55,7 @@ const char* remedyFor(VkResult result) {
 void check(VkResult result, std::source_location asked) {
     if (result == VK_SUCCESS) return;
     const std::string file = asked.file_name();
-    const std::string where =
-        file.substr(file.find_last_of('/') + 1) + ", line " + std::to_string(asked.line());
+    const std::string where = file.substr(file.find_last_of('/') + 1) + ", line " + std::to_string(asked.line());
     throw scene::Failure("Vulkan: " + std::string(nameOf(result)) + " (VkResult " +
                              std::to_string(static_cast<int>(result)) + ")",
                          where, remedyFor(result));

@@ -41,8 +41,8 @@ CommandStreams::~CommandStreams() {
 
 void CommandStreams::wait(std::size_t slot) {
     for (const Stream& stream : slots_[slot])
-        check(vkWaitForFences(device_, 1, stream.finished.address(), VK_TRUE,
-                              std::numeric_limits<std::uint64_t>::max()));
+        check(
+            vkWaitForFences(device_, 1, stream.finished.address(), VK_TRUE, std::numeric_limits<std::uint64_t>::max()));
 }
 
 VkCommandBuffer CommandStreams::begin(std::size_t slot, int eye) {
@@ -73,8 +73,7 @@ void record(VkCommandBuffer commands, const Barrier& barrier) {
     memory.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER;
     memory.srcAccessMask = barrier.fromAccess;
     memory.dstAccessMask = barrier.toAccess;
-    vkCmdPipelineBarrier(commands, barrier.fromStages, barrier.toStages, 0, 1, &memory, 0, nullptr, 0,
-                         nullptr);
+    vkCmdPipelineBarrier(commands, barrier.fromStages, barrier.toStages, 0, 1, &memory, 0, nullptr, 0, nullptr);
 }
 
 } // namespace render

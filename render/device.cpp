@@ -21,9 +21,8 @@ bool instanceHas(const char* extension) {
     check(vkEnumerateInstanceExtensionProperties(nullptr, &count, nullptr));
     std::vector<VkExtensionProperties> extensions(count);
     check(vkEnumerateInstanceExtensionProperties(nullptr, &count, extensions.data()));
-    return std::any_of(extensions.begin(), extensions.end(), [&](const VkExtensionProperties& e) {
-        return std::strcmp(e.extensionName, extension) == 0;
-    });
+    return std::any_of(extensions.begin(), extensions.end(),
+                       [&](const VkExtensionProperties& e) { return std::strcmp(e.extensionName, extension) == 0; });
 }
 
 } // namespace

@@ -44,11 +44,8 @@ class Device {
 
     /// A memory type allowed by typeBits with all of wanted; the first that also has all of liked, if there
     /// is one.
-    std::uint32_t memoryType(std::uint32_t typeBits, VkMemoryPropertyFlags wanted,
-                             VkMemoryPropertyFlags liked) const;
-    VkMemoryPropertyFlags memoryFlags(std::uint32_t type) const {
-        return memory_.memoryTypes[type].propertyFlags;
-    }
+    std::uint32_t memoryType(std::uint32_t typeBits, VkMemoryPropertyFlags wanted, VkMemoryPropertyFlags liked) const;
+    VkMemoryPropertyFlags memoryFlags(std::uint32_t type) const { return memory_.memoryTypes[type].propertyFlags; }
 
     /// Warnings and errors of the validation layers so far; always empty without them (VK_INSTANCE_LAYERS).
     std::vector<std::string> validationMessages() const;

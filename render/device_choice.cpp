@@ -94,8 +94,7 @@ std::vector<Candidate> findCandidates(VkInstance instance) {
     return candidates;
 }
 
-std::optional<std::size_t> chooseCandidate(std::span<const Candidate> candidates,
-                                           const std::string& nameContains) {
+std::optional<std::size_t> chooseCandidate(std::span<const Candidate> candidates, const std::string& nameContains) {
     std::optional<std::size_t> best;
     for (std::size_t i = 0; i < candidates.size(); ++i) {
         if (!candidates[i].lacks.empty() || !isMeant(candidates[i], nameContains)) continue;

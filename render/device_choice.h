@@ -26,8 +26,7 @@ std::vector<Candidate> findCandidates(VkInstance instance);
 
 /// Usable and best of its kind: discrete before integrated, virtual, processor; the first among equals. If
 /// nameContains is not empty, only devices whose name contains it (whatever the case) count.
-std::optional<std::size_t> chooseCandidate(std::span<const Candidate> candidates,
-                                           const std::string& nameContains);
+std::optional<std::size_t> chooseCandidate(std::span<const Candidate> candidates, const std::string& nameContains);
 
 /// One line for a failure: every candidate and what it lacks.
 std::string describe(std::span<const Candidate> candidates, const std::string& nameContains);

@@ -21,15 +21,13 @@ std::uint32_t itemsOf(const ResidentTile& tile, Warp warp) {
 }
 
 /// Sorts by page, then near to far, then by number, so that no two are equal.
-std::uint64_t orderOf(const glm::dmat4& c, const ResidentTile& tile, const TileBounds& bounds,
-                      std::uint32_t number) {
+std::uint64_t orderOf(const glm::dmat4& c, const ResidentTile& tile, const TileBounds& bounds, std::uint32_t number) {
     const double x = (static_cast<double>(bounds.xMin[number]) + bounds.xMax[number]) / 2;
     const double y = (static_cast<double>(bounds.yMin[number]) + bounds.yMax[number]) / 2;
     const double d = (static_cast<double>(tile.minDisparity) + tile.maxDisparity) / 2;
     const double w = c[0][2] * x + c[1][2] * y + c[2][2] + c[3][2] * d;
     const float nearness = w > 0 ? static_cast<float>(std::min(d / w, 1e30)) : 1e30f;
-    const std::uint64_t farFirst =
-        std::bit_cast<std::uint32_t>(std::max(nearness, 0.0f)) >> (32 - kNearnessBits);
+    const std::uint64_t farFirst = std::bit_cast<std::uint32_t>(std::max(nearness, 0.0f)) >> (32 - kNearnessBits);
     const std::uint64_t nearFirst = ((std::uint64_t{1} << kNearnessBits) - 1) - farFirst;
     return ((std::uint64_t{tile.page} << kNearnessBits | nearFirst) << kTileBits) | number;
 }
@@ -38,12 +36,10 @@ std::uint32_t tileIn(std::uint64_t order) {
     return static_cast<std::uint32_t>(order & ((std::uint64_t{1} << kTileBits) - 1));
 }
 
-std::uint32_t footprintOf(const glm::dmat4& c, const TileBounds& bounds, std::uint32_t i,
-                          const Quality& quality) {
+std::uint32_t footprintOf(const glm::dmat4& c, const TileBounds& bounds, std::uint32_t i, const Quality& quality) {
     if (quality.maxFootprint <= 1) return 1;
-    const double width =
-        quality.footprintScale * sampleWidthInEye(c, {bounds.xMin[i], bounds.yMin[i], bounds.dMin[i]},
-                                                  {bounds.xMax[i], bounds.yMax[i], bounds.dMax[i]});
+    const double width = quality.footprintScale * sampleWidthInEye(c, {bounds.xMin[i], bounds.yMin[i], bounds.dMin[i]},
+                                                                   {bounds.xMax[i], bounds.yMax[i], bounds.dMax[i]});
     // A hundredth of a pixel of slack: what is as dense as the screen stays one pixel wide in spite of
     // rounding.
     return static_cast<std::uint32_t>(std::clamp(std::ceil(width - 0.01), 1.0, double(quality.maxFootprint)));
@@ -56,8 +52,7 @@ TileDraw tileDrawOf(const glm::dmat4& c, const ResidentTile& tile) {
         const glm::dvec4 h = c * sample;
         return glm::dvec4(h.x, h.y, h.z, h.w);
     };
-    const double step =
-        (static_cast<double>(tile.maxDisparity) - tile.minDisparity) / scene::kMaxQuantisedDisparity;
+    const double step = (static_cast<double>(tile.maxDisparity) - tile.minDisparity) / scene::kMaxQuantisedDisparity;
     TileDraw draw;
     draw.base = glm::vec4(hOf({tile.x0 + 0.5, tile.y0 + 0.5, 1.0, tile.minDisparity}));
     draw.perX = glm::vec4(hOf({1, 0, 0, 0}));
@@ -69,23 +64,23 @@ TileDraw tileDrawOf(const glm::dmat4& c, const ResidentTile& tile) {
 
 double sampleWidthInEye(const glm::dmat4& c, const glm::dvec3& boxMin, const glm::dvec3& boxMax) {
     const glm::dvec3 cx(c[0]), cy(c[1]), c1(c[2]), cd(c[3]);
-    const glm::dvec3 normal = glm::cross(cx, cy); // det [Cx Cy v] = normal . v
-    const double area1 = glm::dot(normal, c1), areaPerD = glm::dot(normal, cd);
-    double largest = 0;
+    double widest = 0;
     for (const double d : {boxMin.z, boxMax.z})
         for (const double y : {boxMin.y, boxMax.y})
             for (const double x : {boxMin.x, boxMax.x}) {
-                const double w = x * cx.z + y * cy.z + c1.z + d * cd.z;
-                if (w <= 0) return std::numeric_limits<double>::infinity();
-                largest = std::max(largest, std::abs(area1 + d * areaPerD) / (w * w * w));
+                const glm::dvec3 h = x * cx + y * cy + c1 + d * cd; // (u w, v w, w)
+                if (h.z <= 0) return std::numeric_limits<double>::infinity();
+                const double u = h.x / h.z, v = h.y / h.z;
+                const double across = std::abs(cx.x - u * cx.z) + std::abs(cy.x - u * cy.z);
+                const double down = std::abs(cx.y - v * cx.z) + std::abs(cy.y - v * cy.z);
+                widest = std::max(widest, std::max(across, down) / h.z);
             }
-    return std::sqrt(largest);
+    return widest;
 }
 
-void buildDrawList(std::span<const ResidentTile> tiles, const TileBounds& bounds,
-                   std::span<const TilePiece> pieces, std::span<const glm::dmat4> eyeImagesFromSources,
-                   const VisibleTiles& visible, const Quality& quality, std::span<TileDraw> draws,
-                   DrawList& list) {
+void buildDrawList(std::span<const ResidentTile> tiles, const TileBounds& bounds, std::span<const TilePiece> pieces,
+                   std::span<const glm::dmat4> eyeImagesFromSources, const VisibleTiles& visible,
+                   const Quality& quality, std::span<TileDraw> draws, DrawList& list) {
     assert(tiles.size() < (std::size_t{1} << kTileBits));
     list.order.clear();
     for (std::size_t p = 0; p < pieces.size(); ++p)

@@ -27,18 +27,16 @@ struct DrawList {
 /// What the warp of this tile needs. C is multiplied out in double precision and only then rounded.
 TileDraw tileDrawOf(const glm::dmat4& eyeImageFromSource, const ResidentTile& tile);
 
-/// How wide, in pixels, a sample of a box is seen: the square root of the largest projected area of a source
-/// pixel over the box's corners (x, y at sample centres). At one disparity the warp has the Jacobian det [Cx
-/// Cy C1 + d Cd] / w^3, where Ci are the first three rows of the columns of C. Infinite if the box reaches
-/// behind the eye.
-double sampleWidthInEye(const glm::dmat4& eyeImageFromSource, const glm::dvec3& boxMin,
-                        const glm::dvec3& boxMax);
+/// How wide, in pixels, squares must be so that no hole opens between neighbouring samples of one disparity: the larger
+/// side of the box around a projected source pixel (a parallelogram), at the worst corner of the samples' box (x, y at
+/// sample centres). The projected area alone would not do: at the same area, turned or sheared pixels leave holes.
+/// Infinite if the box reaches behind the eye.
+double sampleWidthInEye(const glm::dmat4& eyeImageFromSource, const glm::dvec3& boxMin, const glm::dvec3& boxMax);
 
 /// Builds the list of all tiles that have items for this warp, and writes draws (room for all tiles of the
 /// scene). eyeImagesFromSources: one C per image. The same bytes on any number of threads.
-void buildDrawList(std::span<const ResidentTile> tiles, const TileBounds& bounds,
-                   std::span<const TilePiece> pieces, std::span<const glm::dmat4> eyeImagesFromSources,
-                   const VisibleTiles& visible, const Quality& quality, std::span<TileDraw> draws,
-                   DrawList& list);
+void buildDrawList(std::span<const ResidentTile> tiles, const TileBounds& bounds, std::span<const TilePiece> pieces,
+                   std::span<const glm::dmat4> eyeImagesFromSources, const VisibleTiles& visible,
+                   const Quality& quality, std::span<TileDraw> draws, DrawList& list);
 
 } // namespace render

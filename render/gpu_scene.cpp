@@ -55,8 +55,7 @@ void GpuScene::layOut(std::span<const scene::TileBlock> blocks, std::size_t page
             bounds_.append(tile, block.camera);
             vertices += tile.vertexCount, quads += tile.quadCount;
         }
-        images_.push_back(
-            {block.camera, block.worldFromCamera, bounds_.extentOf(firstTile, block.tiles.size())});
+        images_.push_back({block.camera, block.worldFromCamera, bounds_.extentOf(firstTile, block.tiles.size())});
         for (std::size_t first = firstTile; first < tiles_.size(); first += kTilesPerPiece)
             pieces_.push_back(
                 {image, static_cast<std::uint32_t>(first),

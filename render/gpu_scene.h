@@ -36,8 +36,7 @@ class GpuScene {
     /// Copies the blocks to the device, pageBytes of vertices and of quads to a page (tests make them small).
     /// The blocks are not needed afterwards. A tile is never split: pageBytes must hold the largest. Throws
     /// scene::Failure if the device's memory does not suffice.
-    GpuScene(const Device& device, std::span<const scene::TileBlock> blocks,
-             std::size_t pageBytes = kPageBytes);
+    GpuScene(const Device& device, std::span<const scene::TileBlock> blocks, std::size_t pageBytes = kPageBytes);
 
     std::span<const ResidentImage> images() const { return images_; }
     std::span<const ResidentTile> tiles() const { return tiles_; }

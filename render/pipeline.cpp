@@ -34,15 +34,13 @@ ShaderModule makeModule(const Device& device, std::span<const std::uint32_t> cod
 }
 
 VkDescriptorType typeOf(Binding binding) {
-    return binding == Binding::texels ? VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER
-                                      : VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+    return binding == Binding::texels ? VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER : VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
 }
 
 } // namespace
 
 ComputePipeline makeComputePipeline(const Device& device, std::span<const std::uint32_t> code,
-                                    std::span<const VkDescriptorSetLayout> sets,
-                                    std::uint32_t pushConstantBytes,
+                                    std::span<const VkDescriptorSetLayout> sets, std::uint32_t pushConstantBytes,
                                     std::span<const std::uint32_t> specialisation) {
     std::vector<VkSpecializationMapEntry> entries;
     for (std::uint32_t i = 0; i < specialisation.size(); ++i)
@@ -69,8 +67,7 @@ ComputePipeline makeComputePipeline(const Device& device, std::span<const std::u
 DescriptorSetLayout makeSetLayout(const Device& device, std::span<const Binding> bindings) {
     std::vector<VkDescriptorSetLayoutBinding> all;
     for (std::size_t i = 0; i < bindings.size(); ++i)
-        all.push_back(
-            {static_cast<std::uint32_t>(i), typeOf(bindings[i]), 1, VK_SHADER_STAGE_COMPUTE_BIT, nullptr});
+        all.push_back({static_cast<std::uint32_t>(i), typeOf(bindings[i]), 1, VK_SHADER_STAGE_COMPUTE_BIT, nullptr});
     VkDescriptorSetLayoutCreateInfo info{};
     info.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO;
     info.bindingCount = static_cast<std::uint32_t>(all.size());

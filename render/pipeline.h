@@ -18,8 +18,7 @@ struct ComputePipeline {
 
 /// code: SPIR-V. specialisation: the constants 0, 1, ... of the shader.
 ComputePipeline makeComputePipeline(const Device& device, std::span<const std::uint32_t> code,
-                                    std::span<const VkDescriptorSetLayout> sets,
-                                    std::uint32_t pushConstantBytes,
+                                    std::span<const VkDescriptorSetLayout> sets, std::uint32_t pushConstantBytes,
                                     std::span<const std::uint32_t> specialisation);
 
 /// How a shader sees a buffer.

@@ -15,8 +15,8 @@ struct Quality {
     /// sample, and leaves holes wherever the eye is nearer than the camera was.
     int maxFootprint = 4;
 
-    /// Points: width of the square over the width of the sample as the eye sees it. Above 1 closes the holes
-    /// of surfaces that the eye sees more squarely than the camera did, and coarsens silhouettes.
+    /// Points: width of the square over what closes the holes between samples of one disparity. Above 1 closes the
+    /// holes of surfaces that the eye sees more squarely than the camera did, and coarsens silhouettes.
     double footprintScale = 1.0;
 };
 

@@ -32,10 +32,8 @@ std::uint32_t resolveWorkgroupSize(const Device& device) {
 
 Renderer::Renderer(const Device& device, const GpuScene& scene, int width, int height, int eyes)
     : device_(device), scene_(scene), width_(width), height_(height),
-      eyeLayout_(makeEyeLayout(device)), warps_{makeWarpPass(device, Warp::points, scene.pageLayout(),
-                                                             eyeLayout_),
-                                                makeWarpPass(device, Warp::mesh, scene.pageLayout(),
-                                                             eyeLayout_)},
+      eyeLayout_(makeEyeLayout(device)), warps_{makeWarpPass(device, Warp::points, scene.pageLayout(), eyeLayout_),
+                                                makeWarpPass(device, Warp::mesh, scene.pageLayout(), eyeLayout_)},
       resolve_(makeComputePipeline(device, kResolveCode, std::array<VkDescriptorSetLayout, 1>{eyeLayout_},
                                    sizeof(ResolveConstants), std::array{resolveWorkgroupSize(device)})),
       streams_(device, eyes) {
@@ -84,8 +82,7 @@ FrameStats Renderer::draw(std::span<const scene::View> views, const Quality& qua
     return stats;
 }
 
-void Renderer::prepare(Eye& eye, const scene::View& view, const Quality& quality, std::size_t slot,
-                       int index) {
+void Renderer::prepare(Eye& eye, const scene::View& view, const Quality& quality, std::size_t slot, int index) {
     assert(view.camera.width == width_ && view.camera.height == height_);
     eye.times.clear();
     timed(eye.times, "cull", index, [&] {
@@ -99,8 +96,8 @@ void Renderer::prepare(Eye& eye, const scene::View& view, const Quality& quality
         cull(scene_.bounds(), scene_.pieces(), eye.planes, eye.visible);
     });
     timed(eye.times, "list", index, [&] {
-        buildDrawList(scene_.tiles(), scene_.bounds(), scene_.pieces(), eye.eyeImagesFromSources, eye.visible,
-                      quality, eye.target.draws[slot].as<TileDraw>(), eye.list);
+        buildDrawList(scene_.tiles(), scene_.bounds(), scene_.pieces(), eye.eyeImagesFromSources, eye.visible, quality,
+                      eye.target.draws[slot].as<TileDraw>(), eye.list);
     });
 }
 
@@ -130,10 +127,8 @@ void Renderer::recordCommands(Eye& eye, const Quality& quality, std::size_t slot
 void Renderer::recordResolve(VkCommandBuffer commands, VkDescriptorSet eyeSet) const {
     const ResolveConstants constants{static_cast<std::uint32_t>(width_)};
     vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, resolve_.pipeline);
-    vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, resolve_.layout, 0, 1, &eyeSet, 0,
-                            nullptr);
-    vkCmdPushConstants(commands, resolve_.layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof constants,
-                       &constants);
+    vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, resolve_.layout, 0, 1, &eyeSet, 0, nullptr);
+    vkCmdPushConstants(commands, resolve_.layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof constants, &constants);
     vkCmdDispatch(commands, static_cast<std::uint32_t>(height_), 1, 1);
 }
 

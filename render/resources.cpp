@@ -62,8 +62,7 @@ void copyAndWait(const Device& device, const Buffer& from, const Buffer& to) {
 
 } // namespace
 
-Buffer::Buffer(const Device& device, VkDeviceSize size, VkBufferUsageFlags usage, MemoryUse use)
-    : size_(size) {
+Buffer::Buffer(const Device& device, VkDeviceSize size, VkBufferUsageFlags usage, MemoryUse use) : size_(size) {
     assert(size > 0);
     VkBufferCreateInfo info{};
     info.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO;
@@ -95,8 +94,7 @@ Buffer::Buffer(const Device& device, VkDeviceSize size, VkBufferUsageFlags usage
 }
 
 Buffer uploadTexels(const Device& device, std::span<const std::byte> bytes) {
-    Buffer target(device, bytes.size(),
-                  VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT,
+    Buffer target(device, bytes.size(), VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT,
                   MemoryUse::onDevice);
     if (target.mapped() != nullptr) {
         std::memcpy(target.mapped(), bytes.data(), bytes.size());

@@ -15,8 +15,7 @@ namespace {
 constexpr std::array kEyeBindings{Binding::storage, Binding::storage, Binding::storage, Binding::storage,
                                   Binding::texels};
 
-void requireRange(const Device& device, std::size_t bytes, const std::string& what,
-                  const std::string& remedy) {
+void requireRange(const Device& device, std::size_t bytes, const std::string& what, const std::string& remedy) {
     if (bytes <= device.limits().maxStorageBufferRange) return;
     throw scene::Failure(what + " takes " + std::to_string(bytes) + " bytes, more than the " +
                              std::to_string(device.limits().maxStorageBufferRange) + " a shader can see",
@@ -47,10 +46,9 @@ EyeTarget makeEyeTarget(const Device& device, VkDescriptorSetLayout eyeLayout, i
 
     constexpr VkBufferUsageFlags kStorage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
     EyeTarget target;
-    target.zBuffer =
-        Buffer(device, pixels * sizeof(std::uint64_t),
-               kStorage | VK_BUFFER_USAGE_TRANSFER_DST_BIT | VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT,
-               MemoryUse::onDevice);
+    target.zBuffer = Buffer(device, pixels * sizeof(std::uint64_t),
+                            kStorage | VK_BUFFER_USAGE_TRANSFER_DST_BIT | VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT,
+                            MemoryUse::onDevice);
     target.colours = Buffer(device, pixels * sizeof(std::uint32_t), kStorage, MemoryUse::hostReads);
     target.depths = Buffer(device, pixels * sizeof(float), kStorage, MemoryUse::hostReads);
     target.zTexels = makeTexelView(device, target.zBuffer);

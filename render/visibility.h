@@ -51,8 +51,8 @@ ImagePlanes planesOf(const glm::dmat4& eyeImageFromSource, int width, int height
 
 /// Writes the numbers of the tiles [first, first + count) that are not outside one of the planes, in order,
 /// and returns how many. visible needs room for count numbers. Runs on the widest vectors the processor has.
-std::size_t findVisible(const TileBounds& bounds, std::size_t first, std::size_t count,
-                        const ImagePlanes& planes, std::uint32_t* visible);
+std::size_t findVisible(const TileBounds& bounds, std::size_t first, std::size_t count, const ImagePlanes& planes,
+                        std::uint32_t* visible);
 
 /// What one eye sees: piece by piece, in the pieces' order whatever thread culled them. Kept from frame to
 /// frame.
@@ -62,7 +62,7 @@ struct VisibleTiles {
 };
 
 /// Culls all pieces against the planes of their images with TBB.
-void cull(const TileBounds& bounds, std::span<const TilePiece> pieces,
-          std::span<const ImagePlanes> planesOfImages, VisibleTiles& visible);
+void cull(const TileBounds& bounds, std::span<const TilePiece> pieces, std::span<const ImagePlanes> planesOfImages,
+          VisibleTiles& visible);
 
 } // namespace render

@@ -12,8 +12,8 @@ namespace HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-std::size_t findVisibleTiles(const TileBounds& bounds, std::size_t first, std::size_t count,
-                             const ImagePlanes& planes, std::uint32_t* visible) {
+std::size_t findVisibleTiles(const TileBounds& bounds, std::size_t first, std::size_t count, const ImagePlanes& planes,
+                             std::uint32_t* visible) {
     const hn::ScalableTag<float> floats;
     const hn::RebindToUnsigned<decltype(floats)> numbers;
     const std::size_t lanes = hn::Lanes(floats);
@@ -72,8 +72,8 @@ namespace render {
 
 HWY_EXPORT(findVisibleTiles);
 
-std::size_t findVisible(const TileBounds& bounds, std::size_t first, std::size_t count,
-                        const ImagePlanes& planes, std::uint32_t* visible) {
+std::size_t findVisible(const TileBounds& bounds, std::size_t first, std::size_t count, const ImagePlanes& planes,
+                        std::uint32_t* visible) {
     return HWY_DYNAMIC_DISPATCH(findVisibleTiles)(bounds, first, count, planes, visible);
 }
 

@@ -1,27 +1,20 @@
 # Tests and benchmarks of render/. They draw on whatever device there is; without a graphics card that is lavapipe.
-find_package(GTest REQUIRED)
-find_package(benchmark REQUIRED)
-
 add_library(revisit_render_scenes STATIC render/test_scenes.cpp)
 target_link_libraries(revisit_render_scenes PUBLIC render PRIVATE revisit_flags)
 
-add_executable(revisit_render_tests
-    render/device_test.cpp
-    render/draw_list_test.cpp
-    render/edge_cases_test.cpp
-    render/mesh_test.cpp
-    render/points_test.cpp
-    render/reference.cpp
-    render/shared_math_test.cpp
-    render/test_device.cpp
-    render/visibility_test.cpp)
-target_link_libraries(revisit_render_tests
-    PRIVATE revisit_render_scenes revisit_flags GTest::gtest GTest::gtest_main TBB::tbb)
-add_test(NAME render COMMAND revisit_render_tests)
+revisit_test(revisit_render_tests LABELS gpu LINKS revisit_render_scenes TBB::tbb
+    SOURCES
+        render/device_test.cpp
+        render/draw_list_test.cpp
+        render/edge_cases_test.cpp
+        render/mesh_test.cpp
+        render/points_test.cpp
+        render/reference.cpp
+        render/shared_math_test.cpp
+        render/test_device.cpp
+        render/visibility_test.cpp)
 
 revisit_shader(bare_scatter.comp kBareScatterCode ${CMAKE_CURRENT_SOURCE_DIR}/bench/shaders)
-add_executable(revisit_render_bench bench/bare_scatter.cpp bench/render_bench.cpp
-    ${CMAKE_CURRENT_BINARY_DIR}/spirv/bare_scatter.comp.h)
+revisit_bench(revisit_render_bench LINKS revisit_render_scenes TBB::tbb
+    SOURCES bench/bare_scatter.cpp bench/render_bench.cpp ${CMAKE_CURRENT_BINARY_DIR}/spirv/bare_scatter.comp.h)
 target_include_directories(revisit_render_bench PRIVATE ${CMAKE_CURRENT_BINARY_DIR})
-target_link_libraries(revisit_render_bench
-    PRIVATE revisit_render_scenes revisit_flags benchmark::benchmark TBB::tbb)

@@ -26,12 +26,11 @@ std::vector<Record> recordsOf(std::span<const scene::TileBlock> blocks) {
     std::vector<Record> records;
     for (const scene::TileBlock& block : blocks)
         for (const scene::Tile& tile : block.tiles)
-            for (const scene::TileVertex& vertex :
-                 block.vertices.subspan(tile.firstVertex, tile.pointCount)) {
+            for (const scene::TileVertex& vertex : block.vertices.subspan(tile.firstVertex, tile.pointCount)) {
                 const double x = tile.x0 + static_cast<int>(vertex.place & 63) + 0.5;
                 const double y = tile.y0 + static_cast<int>(vertex.place >> 6 & 63) + 0.5;
-                const glm::dvec3 pInCamera = scene::rayThrough(block.camera, x, y) /
-                                             static_cast<double>(scene::disparityOf(tile, vertex));
+                const glm::dvec3 pInCamera =
+                    scene::rayThrough(block.camera, x, y) / static_cast<double>(scene::disparityOf(tile, vertex));
                 const glm::vec3 p(block.worldFromCamera * pInCamera);
                 records.push_back({p.x, p.y, p.z, vertex.colour << 8 | 1});
             }
@@ -40,22 +39,19 @@ std::vector<Record> recordsOf(std::span<const scene::TileBlock> blocks) {
 
 } // namespace
 
-BareScatter::BareScatter(const Device& device, std::span<const scene::TileBlock> blocks, int width,
-                         int height)
+BareScatter::BareScatter(const Device& device, std::span<const scene::TileBlock> blocks, int width, int height)
     : device_(device), width_(width), height_(height), timer_(device), streams_(device, 1) {
     const std::vector<Record> records = recordsOf(blocks);
     samples_ = records.size();
-    records_ = Buffer(device, records.size() * sizeof(Record), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
-                      MemoryUse::hostWrites);
+    records_ =
+        Buffer(device, records.size() * sizeof(Record), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, MemoryUse::hostWrites);
     std::memcpy(records_.mapped(), records.data(), records.size() * sizeof(Record));
-    zBuffer_ =
-        Buffer(device, static_cast<VkDeviceSize>(width) * static_cast<VkDeviceSize>(height) * 8,
-               VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT, MemoryUse::onDevice);
+    zBuffer_ = Buffer(device, static_cast<VkDeviceSize>(width) * static_cast<VkDeviceSize>(height) * 8,
+                      VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT, MemoryUse::onDevice);
     constexpr std::array kBindings{Binding::storage, Binding::storage};
     layout_ = makeSetLayout(device, kBindings);
     pool_ = makeSetPool(device, 1, kBindings);
-    set_ =
-        allocateSet(device, pool_, layout_, std::array<Bound, 2>{{{records_.handle()}, {zBuffer_.handle()}}});
+    set_ = allocateSet(device, pool_, layout_, std::array<Bound, 2>{{{records_.handle()}, {zBuffer_.handle()}}});
     pipeline_ = makeComputePipeline(device, kBareScatterCode, std::array<VkDescriptorSetLayout, 1>{layout_},
                                     sizeof(Constants), std::array{kWorkgroupSize});
 }
@@ -65,22 +61,18 @@ double BareScatter::run(const scene::View& view) {
     Constants constants{};
     std::memcpy(constants.imageFromRecords, &imageFromWorld, sizeof constants.imageFromRecords);
     constants.count = static_cast<std::uint32_t>(samples_);
-    constants.width = static_cast<std::uint32_t>(width_),
-    constants.height = static_cast<std::uint32_t>(height_);
+    constants.width = static_cast<std::uint32_t>(width_), constants.height = static_cast<std::uint32_t>(height_);
 
     constexpr VkAccessFlags kAll = VK_ACCESS_MEMORY_READ_BIT | VK_ACCESS_MEMORY_WRITE_BIT;
-    constexpr VkPipelineStageFlags kStages =
-        VK_PIPELINE_STAGE_TRANSFER_BIT | VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT;
+    constexpr VkPipelineStageFlags kStages = VK_PIPELINE_STAGE_TRANSFER_BIT | VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT;
     const VkCommandBuffer commands = streams_.begin(0, 0);
     timer_.begin(commands);
     vkCmdFillBuffer(commands, zBuffer_.handle(), 0, VK_WHOLE_SIZE, 0);
     record(commands, {kStages, kAll, kStages, kAll});
     timer_.mark(commands, "clear");
     vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline_.pipeline);
-    vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline_.layout, 0, 1, &set_, 0,
-                            nullptr);
-    vkCmdPushConstants(commands, pipeline_.layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof constants,
-                       &constants);
+    vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline_.layout, 0, 1, &set_, 0, nullptr);
+    vkCmdPushConstants(commands, pipeline_.layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof constants, &constants);
     vkCmdDispatch(commands, (constants.count + kWorkgroupSize - 1) / kWorkgroupSize, 1, 1);
     record(commands, {kStages, kAll, kStages, kAll});
     timer_.mark(commands, "scatter");

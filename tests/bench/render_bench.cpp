@@ -88,15 +88,9 @@ void rateOfWarp(benchmark::State& state, const Quality& quality) {
     state.counters["M_per_s"] = static_cast<double>(stats.eyes[0].samplesDrawn) / best / 1e3;
     state.counters["warp_ms"] = best;
 }
-BENCHMARK_CAPTURE(rateOfWarp, points1, Quality{.maxFootprint = 1})
-    ->Iterations(40)
-    ->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(rateOfWarp, points4, Quality{.maxFootprint = 4})
-    ->Iterations(40)
-    ->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(rateOfWarp, mesh, Quality{.warp = Warp::mesh})
-    ->Iterations(40)
-    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(rateOfWarp, points1, Quality{.maxFootprint = 1})->Iterations(40)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(rateOfWarp, points4, Quality{.maxFootprint = 4})->Iterations(40)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(rateOfWarp, mesh, Quality{.warp = Warp::mesh})->Iterations(40)->Unit(benchmark::kMillisecond);
 
 /// What a walker gets: two eyes, frames overlapping, resolved pictures.
 void stereoFrames(benchmark::State& state, const Quality& quality) {
@@ -118,15 +112,9 @@ void stereoFrames(benchmark::State& state, const Quality& quality) {
     state.counters["visible_share"] =
         static_cast<double>(stats.eyes[0].samplesDrawn) / static_cast<double>(pointsOf(room()));
 }
-BENCHMARK_CAPTURE(stereoFrames, points1, Quality{.maxFootprint = 1})
-    ->Iterations(10)
-    ->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(stereoFrames, points4, Quality{.maxFootprint = 4})
-    ->Iterations(10)
-    ->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(stereoFrames, mesh, Quality{.warp = Warp::mesh})
-    ->Iterations(10)
-    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(stereoFrames, points1, Quality{.maxFootprint = 1})->Iterations(10)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(stereoFrames, points4, Quality{.maxFootprint = 4})->Iterations(10)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(stereoFrames, mesh, Quality{.warp = Warp::mesh})->Iterations(10)->Unit(benchmark::kMillisecond);
 
 /// A test of one tile after the other, as one writes it without vectors.
 std::size_t findVisibleOneByOne(const TileBounds& b, const ImagePlanes& planes, std::uint32_t* visible) {
@@ -163,8 +151,7 @@ void cullingAgainstOneByOne(benchmark::State& state) {
     double vectors = kNever, oneByOne = kNever;
     for (auto _ : state) {
         vectors = std::min(vectors, millisecondsOf([&] {
-                               benchmark::DoNotOptimize(
-                                   findVisible(bounds, 0, bounds.size(), planes, visible.data()));
+                               benchmark::DoNotOptimize(findVisible(bounds, 0, bounds.size(), planes, visible.data()));
                            }));
         oneByOne = std::min(oneByOne, millisecondsOf([&] {
                                 benchmark::DoNotOptimize(findVisibleOneByOne(bounds, planes, visible.data()));
@@ -203,8 +190,7 @@ void eyesAtOnceAgainstInTurn(benchmark::State& state) {
         EyeWork& eye = eyes[i];
         eye.matrices.clear(), eye.planes.clear();
         for (const ResidentImage& image : scene.images()) {
-            eye.matrices.push_back(
-                scene::eyeImageFromSourceImage(views[i], image.camera, image.worldFromCamera));
+            eye.matrices.push_back(scene::eyeImageFromSourceImage(views[i], image.camera, image.worldFromCamera));
             eye.planes.push_back(planesOf(eye.matrices.back(), 640, 480, 3, image.extent));
         }
         cull(scene.bounds(), scene.pieces(), eye.planes, eye.visible);
@@ -220,8 +206,7 @@ void eyesAtOnceAgainstInTurn(benchmark::State& state) {
             const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
             inTurn = std::min(inTurn, millisecondsOf([&] { work(0), work(1); }));
         }
-        atOnce = std::min(atOnce,
-                          millisecondsOf([&] { tbb::parallel_for(std::size_t{0}, std::size_t{2}, work); }));
+        atOnce = std::min(atOnce, millisecondsOf([&] { tbb::parallel_for(std::size_t{0}, std::size_t{2}, work); }));
     }
     state.counters["tiles"] = static_cast<double>(scene.tiles().size());
     state.counters["drawn"] = eyes[0].list.tiles;
@@ -233,5 +218,3 @@ BENCHMARK(eyesAtOnceAgainstInTurn)->Iterations(60)->Unit(benchmark::kMillisecond
 
 } // namespace
 } // namespace render
-
-BENCHMARK_MAIN();

@@ -30,8 +30,8 @@ void cutImage(benchmark::State& state) {
     const DepthImage image = wall(640, 480);
     for (auto _ : state)
         benchmark::DoNotOptimize(cutIntoTiles(image, static_cast<int>(state.range(0))));
-    state.counters["samples/s"] = benchmark::Counter(static_cast<double>(image.flags.size()),
-                                                     benchmark::Counter::kIsIterationInvariantRate);
+    state.counters["samples/s"] =
+        benchmark::Counter(static_cast<double>(image.flags.size()), benchmark::Counter::kIsIterationInvariantRate);
 }
 BENCHMARK(cutImage)->ArgName("tileSize")->Arg(16)->Arg(32)->Arg(63)->Unit(benchmark::kMillisecond);
 

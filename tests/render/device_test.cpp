@@ -13,12 +13,11 @@ Candidate candidate(const char* name, VkPhysicalDeviceType type, std::vector<std
 }
 
 TEST(DeviceChoice, PrefersDiscreteThenIntegratedThenVirtualThenProcessor) {
-    const std::vector<Candidate> all{
-        candidate("Soft Pipe", VK_PHYSICAL_DEVICE_TYPE_CPU),
-        candidate("Cloud", VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU),
-        candidate("Laptop", VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU),
-        candidate("Tower", VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU),
-        candidate("Old Tower", VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU, {"shaderInt64"})};
+    const std::vector<Candidate> all{candidate("Soft Pipe", VK_PHYSICAL_DEVICE_TYPE_CPU),
+                                     candidate("Cloud", VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU),
+                                     candidate("Laptop", VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU),
+                                     candidate("Tower", VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU),
+                                     candidate("Old Tower", VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU, {"shaderInt64"})};
     EXPECT_EQ(chooseCandidate(all, ""), 3u);
     EXPECT_EQ(chooseCandidate(std::span(all).first(3), ""), 2u);
     EXPECT_EQ(chooseCandidate(std::span(all).first(2), ""), 1u);
@@ -51,8 +50,7 @@ TEST(Check, ThrowsWithTheLineThatAsked) {
         check(VK_ERROR_OUT_OF_DEVICE_MEMORY);
         ADD_FAILURE();
     } catch (const scene::Failure& failure) {
-        EXPECT_NE(std::string(failure.what()).find("device_test.cpp, line"), std::string::npos)
-            << failure.what();
+        EXPECT_NE(std::string(failure.what()).find("device_test.cpp, line"), std::string::npos) << failure.what();
     }
 }
 

@@ -79,8 +79,7 @@ TEST_F(EdgeCases, InTheSurfaceAndBehindItNothingIsDrawnOfIt) {
     const GpuScene scene(testDevice(), plane.blocks());
     for (const Warp warp : {Warp::points, Warp::mesh})
         for (const double z : {2.0, 2.5})
-            EXPECT_EQ(coverage(drawOnce(scene, {kEye, {glm::dmat3(1.0), {0, 0, z}}}, {.warp = warp})), 0.0)
-                << z;
+            EXPECT_EQ(coverage(drawOnce(scene, {kEye, {glm::dmat3(1.0), {0, 0, z}}}, {.warp = warp})), 0.0) << z;
 }
 
 TEST_F(EdgeCases, SkyStandsBehindEverythingAndInfinitelyFar) {
@@ -125,8 +124,7 @@ TEST_F(EdgeCases, MoreThanAPageOfVertices) {
     EXPECT_GT(scene.bytesResident(), 2 * kPageBytes);
     EXPECT_GE(scene.pageCount(), 2u);
     const scene::View view{kEye, {}};
-    EXPECT_TRUE(
-        isSame(drawOnce(scene, view, {}), drawOnce(GpuScene(testDevice(), plane.blocks()), view, {})));
+    EXPECT_TRUE(isSame(drawOnce(scene, view, {}), drawOnce(GpuScene(testDevice(), plane.blocks()), view, {})));
 }
 
 TEST_F(EdgeCases, OnePixelAndOddSizes) {

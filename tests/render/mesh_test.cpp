@@ -22,9 +22,8 @@ TEST_F(MeshTest, AgreesWithTheReference) {
     std::mt19937 random(41);
     std::uniform_real_distribution<double> unit(-1, 1);
     for (int i = 0; i < 8; ++i) {
-        const scene::View view{
-            cameraOf(200, 150, 1.5),
-            poseAt({unit(random), 0.5 * unit(random), unit(random)}, 3 * unit(random), 0.5 * unit(random))};
+        const scene::View view{cameraOf(200, 150, 1.5), poseAt({unit(random), 0.5 * unit(random), unit(random)},
+                                                               3 * unit(random), 0.5 * unit(random))};
         const EyeImage drawn = drawOnce(scene, view, kMesh);
         const ReferenceImage truth = referenceMesh(blocks, view);
         double certain = 0, covered = 0, sameDepth = 0, sameColour = 0;
@@ -36,13 +35,11 @@ TEST_F(MeshTest, AgreesWithTheReference) {
                     continue;
                 }
                 ++certain;
-                ASSERT_EQ(drawn.pixelClass(x, y) != 0, truth.disparity(x, y) >= 0)
-                    << i << ": " << x << " " << y;
+                ASSERT_EQ(drawn.pixelClass(x, y) != 0, truth.disparity(x, y) >= 0) << i << ": " << x << " " << y;
                 if (truth.disparity(x, y) < 0) continue;
                 ++covered;
                 const scene::Rgb8 a = drawn.colour(x, y), b = truth.colour(x, y);
-                sameColour +=
-                    std::abs(a.r - b.r) <= 2 && std::abs(a.g - b.g) <= 2 && std::abs(a.b - b.b) <= 2;
+                sameColour += std::abs(a.r - b.r) <= 2 && std::abs(a.g - b.g) <= 2 && std::abs(a.b - b.b) <= 2;
                 sameDepth += std::abs(drawn.depthMetres(x, y) * truth.disparity(x, y) - 1) < 2e-5;
             }
         EXPECT_GT(certain, 0.5 * 200 * 150);
@@ -52,8 +49,7 @@ TEST_F(MeshTest, AgreesWithTheReference) {
 }
 
 TEST_F(MeshTest, FromItsOwnCameraAnImageComesBackButForItsLastRowAndColumn) {
-    const scene::DepthImage image =
-        takePlane(cameraOf(70, 50, 1.2), glm::normalize(glm::dvec3(0.2, 0.3, 1)), 2);
+    const scene::DepthImage image = takePlane(cameraOf(70, 50, 1.2), glm::normalize(glm::dvec3(0.2, 0.3, 1)), 2);
     const CutScene cutScene = cut({image});
     const EyeImage drawn = drawOnce(GpuScene(testDevice(), cutScene.blocks()), {image.camera, {}}, kMesh);
     EXPECT_EQ(drawn.colour, image.colour);
@@ -69,8 +65,8 @@ TEST_F(MeshTest, AMagnifiedPlaneHasNeitherPinholesNorCracks) {
         const CutScene plane = cut({takePlane(cameraOf(160, 160, 1.6), normal, 2)}, 3);
         const GpuScene scene(testDevice(), plane.blocks());
         scene::View view{cameraOf(600, 450, 0.5 + 0.3 * unit(random)),
-                         poseAt({0.2 * unit(random), 0.2 * unit(random), 0.6 * unit(random)},
-                                0.3 * unit(random), 0.3 * unit(random))};
+                         poseAt({0.2 * unit(random), 0.2 * unit(random), 0.6 * unit(random)}, 0.3 * unit(random),
+                                0.3 * unit(random))};
         EXPECT_EQ(coverage(drawOnce(scene, view, kMesh)), 1.0) << "view " << i;
     }
 }
@@ -96,8 +92,7 @@ TEST_F(MeshTest, SkinsAreCutOut) {
 TEST_F(MeshTest, AWallOneCentimetreBeforeTheEyeFillsTheScreen) {
     const CutScene plane = cut({takePlane(cameraOf(64, 64, 1.5), {0, 0, 1}, 2)});
     const GpuScene scene(testDevice(), plane.blocks());
-    const EyeImage drawn =
-        drawOnce(scene, {cameraOf(640, 480, 1.5), {glm::dmat3(1.0), {0.013, 0.007, 1.99}}}, kMesh);
+    const EyeImage drawn = drawOnce(scene, {cameraOf(640, 480, 1.5), {glm::dmat3(1.0), {0.013, 0.007, 1.99}}}, kMesh);
     EXPECT_EQ(coverage(drawn), 1.0);
     for (const float depth : drawn.depthMetres.pixels())
         ASSERT_NEAR(depth, 0.01, 1e-5);

@@ -97,6 +97,23 @@ TEST_F(PointsTest, FootprintsCloseTheHolesOfAMagnifiedPlane) {
     EXPECT_LT(coverage(drawOnce(scene, nearer, quality)), 0.5);
 }
 
+/// Turned by any angle, at any distance: what stands across the camera's axis has no holes.
+TEST_F(PointsTest, NoHolesOpenInATurnedPlane) {
+    const CutScene plane = cut({takePlane(cameraOf(300, 300, 2.0), {0, 0, 1}, 2)});
+    const GpuScene scene(testDevice(), plane.blocks());
+    std::mt19937 random(51);
+    std::uniform_real_distribution<double> unit(-1, 1);
+    for (int i = 0; i < 20; ++i) {
+        const double roll = 3 * unit(random);
+        const glm::dmat3 rolled(glm::dvec3(std::cos(roll), std::sin(roll), 0),
+                                glm::dvec3(-std::sin(roll), std::cos(roll), 0), glm::dvec3(0, 0, 1));
+        const scene::View view{
+            cameraOf(120, 120, 1.0),
+            {poseAt({}, 0.2 * unit(random), 0.2 * unit(random)).rotation * rolled, {0, 0, 0.5 * unit(random)}}};
+        EXPECT_EQ(coverage(drawOnce(scene, view, {.maxFootprint = 8})), 1.0) << i;
+    }
+}
+
 TEST_F(PointsTest, TheSameBytesEveryTimeAndOnAnyNumberOfThreads) {
     const CutScene room = roomFromWithin(160, 16);
     const GpuScene scene(testDevice(), room.blocks());

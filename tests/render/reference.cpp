@@ -28,8 +28,7 @@ Seen see(const scene::TileBlock& block, const scene::View& view, double x, doubl
     return {at.x, at.y, d / scaled.z, true, {}};
 }
 
-Seen seeVertex(const scene::TileBlock& block, const scene::View& view, const scene::Tile& tile,
-               std::uint32_t index) {
+Seen seeVertex(const scene::TileBlock& block, const scene::View& view, const scene::Tile& tile, std::uint32_t index) {
     const scene::TileVertex& vertex = block.vertices[tile.firstVertex + index];
     const double x = tile.x0 + static_cast<int>(vertex.place & 63) + 0.5;
     const double y = tile.y0 + static_cast<int>(vertex.place >> 6 & 63) + 0.5;
@@ -46,12 +45,12 @@ double widthAt(const scene::TileBlock& block, const scene::View& view, double x,
     const Seen left = see(block, view, x - h, y, d), right = see(block, view, x + h, y, d);
     const Seen up = see(block, view, x, y - h, d), down = see(block, view, x, y + h, d);
     if (!left.isBefore || !right.isBefore || !up.isBefore || !down.isBefore) return 1e9;
-    const double area = (right.u - left.u) * (down.v - up.v) - (right.v - left.v) * (down.u - up.u);
-    return std::sqrt(std::abs(area)) / (2 * h);
+    return std::max(std::abs(right.u - left.u) + std::abs(down.u - up.u),
+                    std::abs(right.v - left.v) + std::abs(down.v - up.v)) /
+           (2 * h);
 }
 
-int footprintOf(const scene::TileBlock& block, const scene::View& view, const scene::Tile& tile,
-                int maxFootprint) {
+int footprintOf(const scene::TileBlock& block, const scene::View& view, const scene::Tile& tile, int maxFootprint) {
     const double right = std::min(tile.x0 + tile.width, block.camera.width - 1) + 0.5;
     const double bottom = std::min(tile.y0 + tile.height, block.camera.height - 1) + 0.5;
     double width = 0;
@@ -63,8 +62,7 @@ int footprintOf(const scene::TileBlock& block, const scene::View& view, const sc
 }
 
 ReferenceImage emptyImage(const scene::Camera& camera) {
-    return {
-        {camera.width, camera.height, -1.0}, {camera.width, camera.height}, {camera.width, camera.height}};
+    return {{camera.width, camera.height, -1.0}, {camera.width, camera.height}, {camera.width, camera.height}};
 }
 
 void put(ReferenceImage& image, int x, int y, double disparity, scene::Rgb8 colour) {
@@ -115,8 +113,7 @@ void drawTriangle(ReferenceImage& image, const std::array<Seen, 3>& corner) {
 
 } // namespace
 
-ReferenceImage referencePoints(std::span<const scene::TileBlock> blocks, const scene::View& view,
-                               int maxFootprint) {
+ReferenceImage referencePoints(std::span<const scene::TileBlock> blocks, const scene::View& view, int maxFootprint) {
     ReferenceImage image = emptyImage(view.camera);
     for (const scene::TileBlock& block : blocks)
         for (const scene::Tile& tile : block.tiles) {
@@ -143,8 +140,7 @@ ReferenceImage referenceMesh(std::span<const scene::TileBlock> blocks, const sce
                     return seeVertex(block, view, tile, index & scene::kQuadIndexMask);
                 };
                 const Seen topRight = corner(quad.top >> 16), bottomLeft = corner(quad.bottom);
-                if ((quad.top & scene::kDrawUpper) != 0)
-                    drawTriangle(image, {corner(quad.top), topRight, bottomLeft});
+                if ((quad.top & scene::kDrawUpper) != 0) drawTriangle(image, {corner(quad.top), topRight, bottomLeft});
                 if ((quad.bottom & scene::kDrawLower) != 0)
                     drawTriangle(image, {topRight, corner(quad.bottom >> 16), bottomLeft});
             }

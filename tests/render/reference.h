@@ -19,8 +19,7 @@ struct ReferenceImage {
 
 /// Squares of 1 to maxFootprint pixels, as wide as the sample is seen at the most magnified corner of its
 /// tile.
-ReferenceImage referencePoints(std::span<const scene::TileBlock> blocks, const scene::View& view,
-                               int maxFootprint);
+ReferenceImage referencePoints(std::span<const scene::TileBlock> blocks, const scene::View& view, int maxFootprint);
 
 /// Every triangle over every pixel of its box. Colours are mixed by the shares of the corners on the screen.
 ReferenceImage referenceMesh(std::span<const scene::TileBlock> blocks, const scene::View& view);

@@ -8,6 +8,7 @@
 
 #include <cmath>
 #include <random>
+#include <utility>
 
 namespace render {
 namespace {
@@ -32,8 +33,7 @@ TEST(WarpSample, AgreesWithDoublePrecision) {
         tile.minDisparity = 0.2f, tile.maxDisparity = 0.9f;
         const TileDraw draw = tileDrawOf(c, tile);
 
-        const std::uint32_t x = random() % 64, y = random() % 64,
-                            q = random() % (scene::kMaxQuantisedDisparity + 1);
+        const std::uint32_t x = random() % 64, y = random() % 64, q = random() % (scene::kMaxQuantisedDisparity + 1);
         const vec4 h = warpSample(draw, placeOf(x, y, q));
         const double d = tile.minDisparity + q * (0.9 * 1.0f - 0.2) / scene::kMaxQuantisedDisparity;
         const glm::dvec4 truth = c * glm::dvec4(tile.x0 + x + 0.5, tile.y0 + y + 0.5, 1, d);
@@ -41,8 +41,7 @@ TEST(WarpSample, AgreesWithDoublePrecision) {
         ASSERT_TRUE(isBeforeEye(h));
         const vec3 seen = project(h);
         // The larger a position, the coarser its last bit; w, too, is a difference of larger numbers.
-        const double tolerance =
-            1e-6 * (1 + (std::abs(truth.x) + std::abs(truth.y) + 2000) / truth.z) / truth.z;
+        const double tolerance = 1e-6 * (1 + (std::abs(truth.x) + std::abs(truth.y) + 2000) / truth.z) / truth.z;
         EXPECT_NEAR(seen.x, truth.x / truth.z, tolerance);
         EXPECT_NEAR(seen.y, truth.y / truth.z, tolerance);
         EXPECT_NEAR(seen.z * truth.z / truth.w, 1, 1e-5 / truth.z);
@@ -68,8 +67,7 @@ TEST(Footprint, IsCentredOnThePosition) {
 
 TEST(ZKey, OrdersByDisparityAndKeepsColourAndClass) {
     const auto word = [](uvec2 key) { return std::uint64_t{key.y} << 32 | key.x; };
-    const std::uint64_t sky = word(packKey(0, 0, kClassSeen)),
-                        far = word(packKey(0.01f, 0xffffff, kClassUnseen)),
+    const std::uint64_t sky = word(packKey(0, 0, kClassSeen)), far = word(packKey(0.01f, 0xffffff, kClassUnseen)),
                         near = word(packKey(100, 0, kClassSeen));
     EXPECT_LT(0u, sky) << "sky stands before nothing";
     EXPECT_LT(sky, far);
@@ -86,8 +84,8 @@ TEST(TriangleCover, AgreesWithBarycentricCoordinates) {
     std::uniform_real_distribution<float> place(-20, 60), depth(0.1f, 2);
     int inside = 0;
     for (int i = 0; i < 20000; ++i) {
-        const vec3 a(place(random), place(random), depth(random)),
-            b(place(random), place(random), depth(random)), c(place(random), place(random), depth(random));
+        const vec3 a(place(random), place(random), depth(random)), b(place(random), place(random), depth(random)),
+            c(place(random), place(random), depth(random));
         const vec2 origin(10.5f, 7.5f), offset(std::floor(place(random)), std::floor(place(random)));
         const Covered covered = cover(setUp(a, b, c, origin), a, b, c, offset);
 
@@ -96,8 +94,7 @@ TEST(TriangleCover, AgreesWithBarycentricCoordinates) {
             return (t.x - s.x) * (r.y - s.y) - (t.y - s.y) * (r.x - s.x);
         };
         const double area = twice(da, db, dc);
-        const double ofA = twice(db, dc, p) / area, ofB = twice(dc, da, p) / area,
-                     ofC = twice(da, db, p) / area;
+        const double ofA = twice(db, dc, p) / area, ofB = twice(dc, da, p) / area, ofC = twice(da, db, p) / area;
         const double least = std::min({ofA, ofB, ofC});
         if (std::abs(area) < 10 || std::abs(least) < 0.01) continue;
         ASSERT_EQ(covered.disparity >= 0, least > 0) << i;
@@ -108,14 +105,18 @@ TEST(TriangleCover, AgreesWithBarycentricCoordinates) {
     EXPECT_GT(inside, 1000);
 }
 
-TEST(TriangleCover, EdgeIsExactlyAntisymmetric) {
-    std::mt19937 random(13);
-    std::uniform_real_distribution<float> place(-1e4f, 1e4f);
-    for (int i = 0; i < 10000; ++i) {
-        const vec3 a(place(random), place(random), 0), b(place(random), place(random), 0);
-        const vec2 p(place(random), place(random));
-        EXPECT_EQ(edge(a, b, p), -edge(b, a, p));
-    }
+TEST(TriangleCover, FatEdgesReachASixtyFourthOfAPixelAndNotTwoOfThem) {
+    // Legs of 10 pixels along the grid, and the same turned round.
+    const vec3 a(10, 10, 1), b(20, 10, 1), c(10, 20, 1);
+    for (const auto& [p, q] : {std::pair(b, c), std::pair(c, b)})
+        for (const float outside : {0.9f, 1.1f}) {
+            const bool isCovered = outside < 1;
+            const float by = outside * kFatEdge;
+            EXPECT_EQ(cover(setUp(a, p, q, vec2(15, 10 - by)), a, p, q, vec2(0)).disparity >= 0, isCovered);
+            EXPECT_EQ(cover(setUp(a, p, q, vec2(10 - by, 15)), a, p, q, vec2(0)).disparity >= 0, isCovered);
+            // On the diagonal a little farther: its length is taken as the sum of the legs.
+            EXPECT_EQ(cover(setUp(a, p, q, vec2(15 + by, 15 + by)), a, p, q, vec2(0)).disparity >= 0, isCovered);
+        }
 }
 
 TEST(TriangleCover, WithoutAreaNothingIsCovered) {
@@ -129,8 +130,7 @@ TEST(MixColours, IsWithinOneStep) {
     std::mt19937 random(17);
     std::uniform_real_distribution<float> share(0, 1);
     for (int i = 0; i < 20000; ++i) {
-        const std::uint32_t a = static_cast<std::uint32_t>(random()),
-                            b = static_cast<std::uint32_t>(random()),
+        const std::uint32_t a = static_cast<std::uint32_t>(random()), b = static_cast<std::uint32_t>(random()),
                             c = static_cast<std::uint32_t>(random());
         const float ofB = share(random), ofC = share(random) * (1 - ofB);
         const std::uint32_t mixed = mixColours(a, b, c, ofB, ofC);

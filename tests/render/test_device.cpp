@@ -26,9 +26,8 @@ bool canValidate() {
     if (vkEnumerateInstanceLayerProperties(&count, nullptr) != VK_SUCCESS) return false;
     std::vector<VkLayerProperties> layers(count);
     if (vkEnumerateInstanceLayerProperties(&count, layers.data()) != VK_SUCCESS) return false;
-    return std::any_of(layers.begin(), layers.end(), [](const VkLayerProperties& layer) {
-        return std::strcmp(layer.layerName, kLayer) == 0;
-    });
+    return std::any_of(layers.begin(), layers.end(),
+                       [](const VkLayerProperties& layer) { return std::strcmp(layer.layerName, kLayer) == 0; });
 }
 
 Device& testDevice() {
@@ -43,8 +42,7 @@ void RenderTest::TearDown() {
         ADD_FAILURE() << message;
 }
 
-std::vector<EyeImage> drawOnce(const GpuScene& scene, std::span<const scene::View> views,
-                               const Quality& quality) {
+std::vector<EyeImage> drawOnce(const GpuScene& scene, std::span<const scene::View> views, const Quality& quality) {
     const scene::Camera& camera = views[0].camera;
     Renderer renderer(testDevice(), scene, camera.width, camera.height, static_cast<int>(views.size()));
     renderer.draw(views, quality);

@@ -24,8 +24,7 @@ class RenderTest : public testing::Test {
 };
 
 /// Draws one frame and returns its pictures.
-std::vector<EyeImage> drawOnce(const GpuScene& scene, std::span<const scene::View> views,
-                               const Quality& quality);
+std::vector<EyeImage> drawOnce(const GpuScene& scene, std::span<const scene::View> views, const Quality& quality);
 EyeImage drawOnce(const GpuScene& scene, const scene::View& view, const Quality& quality);
 
 /// Same bytes in colour, depth and class.

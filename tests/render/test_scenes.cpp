@@ -73,8 +73,7 @@ scene::Pose poseAt(const glm::dvec3& pInWorld, double yaw, double pitch) {
     return {turned * bent, pInWorld};
 }
 
-scene::DepthImage takeRoom(const scene::Camera& camera, const scene::Pose& worldFromCamera,
-                           const glm::dvec3& offset) {
+scene::DepthImage takeRoom(const scene::Camera& camera, const scene::Pose& worldFromCamera, const glm::dvec3& offset) {
     scene::DepthImage image;
     image.name = "room";
     image.camera = camera;
@@ -94,9 +93,7 @@ scene::DepthImage takeRoom(const scene::Camera& camera, const scene::Pose& world
     for (int y = 0; y + 1 < camera.height; ++y)
         for (int x = 0; x + 1 < camera.width; ++x) {
             // Walls meet in corners, which the mesh may round off; balls stand before them.
-            const auto bridge = [&](int a, int b, int c) {
-                return (a > 5 || b > 5 || c > 5) && (a != b || b != c);
-            };
+            const auto bridge = [&](int a, int b, int c) { return (a > 5 || b > 5 || c > 5) && (a != b || b != c); };
             const int topRight = surfaces(x + 1, y), bottomLeft = surfaces(x, y + 1);
             if (bridge(surfaces(x, y), topRight, bottomLeft)) image.flags(x, y) |= scene::kSkinUpper;
             if (bridge(topRight, surfaces(x + 1, y + 1), bottomLeft)) image.flags(x, y) |= scene::kSkinLower;

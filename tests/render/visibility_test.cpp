@@ -37,8 +37,8 @@ Boxes randomBoxes(std::size_t count, unsigned seed) {
 
 scene::View randomView(std::mt19937& random, const scene::Camera& camera) {
     std::uniform_real_distribution<double> unit(-1, 1);
-    return {camera, poseAt({unit(random) * 2, unit(random), unit(random) * 2}, 3.14 * unit(random),
-                           1.5 * unit(random))};
+    return {camera,
+            poseAt({unit(random) * 2, unit(random), unit(random) * 2}, 3.14 * unit(random), 1.5 * unit(random))};
 }
 
 bool isSeen(const glm::dmat4& c, double x, double y, double d, int width, int height) {
@@ -48,8 +48,7 @@ bool isSeen(const glm::dmat4& c, double x, double y, double d, int width, int he
 
 /// Exactly, in double precision: is the whole box at least this far outside of one plane, relative to its
 /// terms?
-bool isClearlyOutside(const glm::dmat4& c, const TileBounds& b, std::size_t i, int width, int height,
-                      double slack) {
+bool isClearlyOutside(const glm::dmat4& c, const TileBounds& b, std::size_t i, int width, int height, double slack) {
     const glm::dvec4 u(c[0][0], c[1][0], c[2][0], c[3][0]), v(c[0][1], c[1][1], c[2][1], c[3][1]),
         w(c[0][2], c[1][2], c[2][2], c[3][2]);
     for (const glm::dvec4& plane : {u, double(width) * w - u, v, double(height) * w - v, w}) {
@@ -57,10 +56,9 @@ bool isClearlyOutside(const glm::dmat4& c, const TileBounds& b, std::size_t i, i
         for (const double x : {b.xMin[i], b.xMax[i]})
             for (const double y : {b.yMin[i], b.yMax[i]})
                 for (const double d : {b.dMin[i], b.dMax[i]}) {
-                    const double size = std::abs(plane.x) * 4096 + std::abs(plane.y) * 4096 +
-                                        std::abs(plane.z) + std::abs(plane.w) * 7;
-                    allOutside =
-                        allOutside && plane.x * x + plane.y * y + plane.z + plane.w * d < -slack * size;
+                    const double size =
+                        std::abs(plane.x) * 4096 + std::abs(plane.y) * 4096 + std::abs(plane.z) + std::abs(plane.w) * 7;
+                    allOutside = allOutside && plane.x * x + plane.y * y + plane.z + plane.w * d < -slack * size;
                 }
         if (allOutside) return true;
     }
@@ -96,8 +94,8 @@ TEST(Visibility, NeverRejectsWhatIsSeenAndRejectsWhatIsOutsideOnePlane) {
                              sy = sample < 8 ? sample >> 1 & 1 : unit(random),
                              sd = sample < 8 ? sample >> 2 & 1 : unit(random);
                 EXPECT_FALSE(isSeen(c, b.xMin[i] + sx * (b.xMax[i] - b.xMin[i]),
-                                    b.yMin[i] + sy * (b.yMax[i] - b.yMin[i]),
-                                    b.dMin[i] + sd * (b.dMax[i] - b.dMin[i]), 640, 480))
+                                    b.yMin[i] + sy * (b.yMax[i] - b.yMin[i]), b.dMin[i] + sd * (b.dMax[i] - b.dMin[i]),
+                                    640, 480))
                     << "pose " << pose << " tile " << i;
             }
         }
@@ -158,8 +156,8 @@ TEST(Visibility, HoldsExactlyOnTheEdges) {
 TEST(Visibility, EveryLengthAndStartGivesTheSameAsOneByOne) {
     const Boxes boxes = randomBoxes(100, 5);
     std::mt19937 random(9);
-    const glm::dmat4 c = scene::eyeImageFromSourceImage(randomView(random, cameraOf(640, 480, 1.6)),
-                                                        cameraOf(4096, 4096, 1.5708), {});
+    const glm::dmat4 c =
+        scene::eyeImageFromSourceImage(randomView(random, cameraOf(640, 480, 1.6)), cameraOf(4096, 4096, 1.5708), {});
     const ImagePlanes planes = planesOf(c, 640, 480, 1, boxes.extent);
     for (std::size_t first = 0; first < 20; ++first)
         for (std::size_t count = 0; first + count <= 100; ++count) {
@@ -178,8 +176,8 @@ TEST(Visibility, EveryLengthAndStartGivesTheSameAsOneByOne) {
 TEST(Visibility, IsTheSameOnAnyNumberOfThreads) {
     const Boxes boxes = randomBoxes(10000, 21);
     std::mt19937 random(4);
-    const glm::dmat4 c = scene::eyeImageFromSourceImage(randomView(random, cameraOf(640, 480, 1.6)),
-                                                        cameraOf(4096, 4096, 1.5708), {});
+    const glm::dmat4 c =
+        scene::eyeImageFromSourceImage(randomView(random, cameraOf(640, 480, 1.6)), cameraOf(4096, 4096, 1.5708), {});
     const std::vector<ImagePlanes> planes{planesOf(c, 640, 480, 1, boxes.extent)};
     std::vector<TilePiece> pieces;
     for (std::uint32_t first = 0; first < 10000; first += 300)

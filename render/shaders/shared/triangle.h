@@ -23,18 +23,6 @@ struct PixelBox {
     ivec2 last;
 };
 
-/// Twice the signed area of (a, b, p). Exactly negated when a and b change places. Corners are projected
-/// samples (u, v, eye disparity), here and below.
-SHARED_FUNCTION float edge(vec3 a, vec3 b, vec2 p) {
-    PRECISE float twiceArea = (a.x - p.x) * (b.y - p.y) - (a.y - p.y) * (b.x - p.x);
-    return twiceArea;
-}
-
-/// How much twice the area may miss for a point kFatEdge outside of the edge; a little more on diagonals.
-SHARED_FUNCTION float fatEdge(vec3 a, vec3 b) {
-    return kFatEdge * (abs(a.x - b.x) + abs(a.y - b.y));
-}
-
 /// Where pixel centres may lie inside of the box between two positions, on the screen.
 SHARED_FUNCTION PixelBox pixelsOf(vec2 low, vec2 high, vec2 size) {
     // Clamped as floats: far outside, the conversion to int is undefined.
@@ -61,24 +49,23 @@ struct Covered {
     float ofB, ofC;
 };
 
+/// Corners are projected samples (u, v, eye disparity).
 SHARED_FUNCTION Triangle setUp(vec3 a, vec3 b, vec3 c, vec2 origin) {
-    PRECISE float area = edge(a, b, vec2(c.x, c.y));
+    vec2 toB = vec2(b.x - a.x, b.y - a.y), toC = vec2(c.x - a.x, c.y - a.y);
+    vec2 toOrigin = vec2(origin.x - a.x, origin.y - a.y);
+    PRECISE float area = toB.x * toC.y - toB.y * toC.x; // twice, and signed
+    // Seen edge-on there is nothing to cover: the neighbours have the pixels.
+    bool hasArea = abs(area) > 1e-20f;
+    PRECISE float inverse = hasArea ? 1.0f / area : 0.0f;
+    PRECISE float ofB = (toOrigin.x * toC.y - toOrigin.y * toC.x) * inverse;
+    PRECISE float ofC = (toB.x * toOrigin.y - toB.y * toOrigin.x) * inverse;
     Triangle t;
-    if (!(abs(area) > 1e-20f)) { // seen edge-on: its neighbours have the pixels
-        t.atOrigin = vec2(-1.0f);
-        t.perX = vec2(0.0f);
-        t.perY = vec2(0.0f);
-        t.slack = vec3(0.0f);
-        return t;
-    }
-    PRECISE float inverse = 1.0f / area;
-    PRECISE vec2 atOrigin = vec2(edge(c, a, origin), edge(a, b, origin)) * inverse;
-    PRECISE vec2 perX = vec2(c.y - a.y, a.y - b.y) * inverse;
-    PRECISE vec2 perY = vec2(a.x - c.x, b.x - a.x) * inverse;
-    t.atOrigin = atOrigin;
-    t.perX = perX;
-    t.perY = perY;
-    t.slack = vec3(fatEdge(b, c), fatEdge(c, a), fatEdge(a, b)) * abs(inverse);
+    t.atOrigin = vec2(hasArea ? ofB : -1.0f, ofC);
+    t.perX = vec2(toC.y, -toB.y) * inverse;
+    t.perY = vec2(-toC.x, toB.x) * inverse;
+    // Twice the area that lies kFatEdge outside of an edge; a little more on diagonals.
+    float fat = kFatEdge * abs(inverse);
+    t.slack = vec3(abs(b.x - c.x) + abs(b.y - c.y), abs(toC.x) + abs(toC.y), abs(toB.x) + abs(toB.y)) * fat;
     return t;
 }
 
