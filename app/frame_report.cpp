@@ -1,0 +1,70 @@
+#include "app/frame_report.h"
+
+#include "app/version.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace app {
+
+namespace {
+
+using nlohmann::json;
+
+std::string stepName(const char* unit, const render::StepTime& time) {
+    const char* eye = time.eye == render::kWholeFrame ? "" : time.eye == 0 ? ".left" : ".right";
+    return std::string(unit) + "." + time.step + eye;
+}
+
+} // namespace
+
+json spreadOf(std::vector<double> values) {
+    if (values.empty()) return nullptr;
+    std::sort(values.begin(), values.end());
+    const auto at = [&](double share) {
+        const double index = std::ceil(share * static_cast<double>(values.size())) - 1;
+        return values[static_cast<std::size_t>(std::clamp(index, 0.0, static_cast<double>(values.size() - 1)))];
+    };
+    return {{"median", at(0.5)}, {"p95", at(0.95)}, {"p99", at(0.99)}, {"max", values.back()}};
+}
+
+void FrameReport::add(const std::string&, const render::FrameStats& stats, double wallMilliseconds) {
+    ++frames_;
+    milliseconds_["wall.frame"].push_back(wallMilliseconds);
+    for (const render::StepTime& time : stats.cpu) milliseconds_[stepName("cpu", time)].push_back(time.milliseconds);
+    for (const render::StepTime& time : stats.gpu) milliseconds_[stepName("gpu", time)].push_back(time.milliseconds);
+    double tested = 0, rejected = 0, drawn = 0, samples = 0;
+    for (const render::EyeCounts& eye : stats.eyes) {
+        tested += eye.tilesTested, rejected += eye.tilesRejected, drawn += eye.tilesDrawn;
+        samples += static_cast<double>(eye.samplesDrawn);
+    }
+    tested_.push_back(tested), rejected_.push_back(rejected), drawn_.push_back(drawn), samples_.push_back(samples);
+}
+
+json FrameReport::summarise(const render::Device& device, const render::GpuScene& scene, json settings) const {
+    json cpu = json::object(), gpu = json::object();
+    json frame;
+    for (const auto& [name, values] : milliseconds_) {
+        if (name.starts_with("cpu.")) cpu[name.substr(4)] = spreadOf(values);
+        if (name.starts_with("gpu.")) gpu[name.substr(4)] = spreadOf(values);
+        if (name == "wall.frame") frame = spreadOf(values);
+    }
+    json report = std::move(settings);
+    report["device"] = device.name();
+    report["driver"] = device.driver();
+    report["version"] = kVersion;
+    report["commit"] = kCommit;
+    report["frames"] = frames_;
+    report["frame_ms"] = frame;
+    if (!frame.is_null()) report["frames_per_second_median"] = 1000.0 / std::max(frame["median"].get<double>(), 1e-6);
+    report["cpu_ms"] = cpu;
+    report["gpu_ms"] = gpu;
+    report["tiles_tested"] = spreadOf(tested_);
+    report["tiles_rejected"] = spreadOf(rejected_);
+    report["tiles_drawn"] = spreadOf(drawn_);
+    report["samples_drawn"] = spreadOf(samples_);
+    report["bytes_resident"] = scene.bytesResident();
+    return report;
+}
+
+} // namespace app

@@ -1,0 +1,34 @@
+#pragma once
+// report.json: what was drawn, on what, and how long each step took.
+
+#include "render/renderer.h"
+#include "render/gpu_scene.h"
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+namespace app {
+
+/// Gathers the figures of a run's frames.
+class FrameReport {
+  public:
+    /// wallMilliseconds: from the call of draw until the frame was finished on the device.
+    void add(const std::string& name, const render::FrameStats& stats, double wallMilliseconds);
+
+    /// Median, p95, p99 and maximum of every step, tiles and samples; `settings` (warp, size, eyes, ...) goes in as it is.
+    nlohmann::json summarise(const render::Device& device, const render::GpuScene& scene, nlohmann::json settings) const;
+
+  private:
+    std::map<std::string, std::vector<double>> milliseconds_; ///< by "cpu.cull.left" and so on
+    std::vector<double> tested_, rejected_, drawn_, samples_;
+    std::size_t frames_ = 0;
+};
+
+/// {"median", "p95", "p99", "max"} of some numbers.
+nlohmann::json spreadOf(std::vector<double> values);
+
+} // namespace app
