@@ -7,8 +7,8 @@
 #include "tests/render/test_scenes.h"
 
 #include <benchmark/benchmark.h>
-#include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <array>
@@ -200,12 +200,10 @@ void eyesAtOnceAgainstInTurn(benchmark::State& state) {
         recordWarp(commands, warp, scene, eye.target.sets[0], eye.list.runs, 640, 480);
         vkEndCommandBuffer(commands);
     };
+    tbb::task_arena one(1);
     double atOnce = kNever, inTurn = kNever;
     for (auto _ : state) {
-        {
-            const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
-            inTurn = std::min(inTurn, millisecondsOf([&] { work(0), work(1); }));
-        }
+        one.execute([&] { inTurn = std::min(inTurn, millisecondsOf([&] { work(0), work(1); })); });
         atOnce = std::min(atOnce, millisecondsOf([&] { tbb::parallel_for(std::size_t{0}, std::size_t{2}, work); }));
     }
     state.counters["tiles"] = static_cast<double>(scene.tiles().size());
