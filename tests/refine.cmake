@@ -1,0 +1,6 @@
+# Tests of what stands between import and plan: the warp on the processor, comparing images, refine, dropouts.
+revisit_test(revisit_refine_tests LABELS unit LINKS scene scene_project scene_refine TBB::tbb
+    SOURCES
+        scene/known_scenes.cpp
+        scene/preference_test.cpp
+        scene/warp_test.cpp)
