@@ -1,6 +1,11 @@
 # Tests of what stands between import and plan: the warp on the processor, comparing images, refine, dropouts.
 revisit_test(revisit_refine_tests LABELS unit LINKS scene scene_project scene_refine TBB::tbb
     SOURCES
+        scene/density_test.cpp
         scene/known_scenes.cpp
         scene/preference_test.cpp
+        scene/project/dropouts_test.cpp
+        scene/refine/pairs_test.cpp
+        scene/refine/skins_test.cpp
+        scene/reprojection_test.cpp
         scene/warp_test.cpp)
