@@ -5,7 +5,9 @@ revisit_test(revisit_refine_tests LABELS unit LINKS scene scene_project scene_re
         scene/known_scenes.cpp
         scene/preference_test.cpp
         scene/project/dropouts_test.cpp
+        scene/refine/fusion_test.cpp
         scene/refine/pairs_test.cpp
+        scene/refine/redundancy_test.cpp
         scene/refine/skins_test.cpp
         scene/reprojection_test.cpp
         scene/warp_test.cpp)
