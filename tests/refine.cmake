@@ -11,3 +11,13 @@ revisit_test(revisit_refine_tests LABELS unit LINKS scene scene_project scene_re
         scene/refine/skins_test.cpp
         scene/reprojection_test.cpp
         scene/warp_test.cpp)
+
+# What the build reads and keeps: its own depth images, and captures made of pictures.
+revisit_test(revisit_picture_tests LABELS unit
+    LINKS scene scene_import TIFF::TIFF PkgConfig::XXHASH nlohmann_json::nlohmann_json opencv_core opencv_imgcodecs
+    SOURCES
+        scene/depth_tiff_test.cpp
+        scene/image_store_test.cpp
+        scene/import/photo_test.cpp
+        scene/import/transforms_json_test.cpp
+        scene/import/tum_rgbd_test.cpp)
