@@ -7,8 +7,8 @@
 //     |  o o o                                        \  skin        /
 //     |        \   <- a jump that neither              \ o=====o   /     B sees farther than the triangle of A:
 //     |         \     neighbour's slope explains        o \     \o       where A has a surface, B found empty space
-//     |          o o o                                      \   / \
-//     +------------------ x                                   far wall
+//     |          o o o                                      \   / \ far wall
+//     +------------------ x
 //
 // The paper draws A into B through a z-buffer and repeats until a pass finds no skin, since one skin can hide another. Whether
 // B saw through a triangle does not depend on the other triangles, so each is asked by itself: one pass finds what the repeated
