@@ -25,7 +25,7 @@ scene::ImageStore openImages(const std::vector<scene::StoredImage>& images, cons
     return {images, options.memoryBytes / 2};
 }
 
-bool exists(const std::filesystem::path& path) {
+bool isThere(const std::filesystem::path& path) {
     std::error_code ignored;
     return std::filesystem::exists(path, ignored);
 }
@@ -75,7 +75,7 @@ SkinStage markSkins(const ImportedImages& imported, const Overlaps& overlaps, co
     tbb::parallel_for(std::size_t{0}, images.size(), [&](std::size_t i) {
         const std::string name = imported.images[i].name;
         const std::filesystem::path flagsFile = folder / (name + ".flags.tiff"), figuresFile = folder / (name + ".json");
-        if (!exists(figuresFile)) {
+        if (!isThere(figuresFile)) {
             writeFlagsTiff(scene::markSkins(images, i, overlaps.partners[i], o, figures[i]), flagsFile);
             const scene::SkinFigures& f = figures[i];
             writeWhole(figuresFile, json{f.samples, f.triangles, f.planarSkins, f.seenThrough, f.floating}.dump());
@@ -140,7 +140,7 @@ TileStage fuseAndCut(const ImportedImages& imported, const Overlaps& overlaps, c
     Progress progress("fusion", images.size());
     tbb::parallel_for(std::size_t{0}, images.size(), [&](std::size_t i) {
         // The block is written last: where it is, the flags are too.
-        if (!exists(stage.blocks[i])) {
+        if (!isThere(stage.blocks[i])) {
             const scene::DepthImage fused =
                 scene::fuse(images, i, overlaps.partners[i], readKept(kept.files[i], imported.images[i].camera), o);
             writeFlagsTiff(fused.flags, stage.flags[i]);

@@ -47,7 +47,7 @@ std::vector<NamedView> listViews(const RenderOptions& o, const scene::Scene& sce
 render::Quality qualityOf(const RenderOptions& o) {
     render::Quality quality;
     quality.warp = o.warp == "mesh" ? render::Warp::mesh : render::Warp::points;
-    if (o.nearBaseline >= 0) quality.preference.nearBaseline = static_cast<float>(o.nearBaseline);
+    quality.preference.nearBaseline = static_cast<float>(o.nearBaseline);
     if (o.maxFootprint > 0) quality.maxFootprint = o.maxFootprint;
     return quality;
 }

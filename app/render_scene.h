@@ -1,6 +1,8 @@
 #pragma once
 // Draws a scene without a display, along a path or from given cameras, into picture files.
 
+#include "scene/preference.h"
+
 #include <filesystem>
 #include <string>
 
@@ -13,8 +15,9 @@ struct RenderOptions {
     bool aux = false;
     std::string warp = "points"; ///< points or mesh
     double eyeDistanceMetres = 0.063;
-    double nearBaseline = -1;    ///< below 0: as Quality has it
+    double nearBaseline = scene::PreferenceOptions{}.nearBaseline;
     int maxFootprint = 0;        ///< 0: as Quality has it
+    std::size_t memoryBytes = 8ull << 30; ///< what the scene may take on the device
 };
 
 /// Throws scene::Failure.

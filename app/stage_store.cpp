@@ -27,7 +27,7 @@ void makeFolder(const std::filesystem::path& folder) {
     if (error) throw scene::Failure("cannot be made (" + error.message() + ")", folder, kWriteRemedy);
 }
 
-void rename(const std::filesystem::path& from, const std::filesystem::path& to) {
+void moveInto(const std::filesystem::path& from, const std::filesystem::path& to) {
     std::error_code error;
     std::filesystem::rename(from, to, error);
     if (error) throw scene::Failure("cannot be renamed into place (" + error.message() + ")", to, kWriteRemedy);
@@ -84,7 +84,7 @@ std::filesystem::path StageStore::find(const std::string& stage, const std::stri
         std::filesystem::remove_all(part, ignored);
         throw;
     }
-    rename(part, folder);
+    moveInto(part, folder);
     return folder;
 }
 
@@ -98,7 +98,7 @@ void writeWhole(const std::filesystem::path& path, std::span<const std::byte> by
         std::filesystem::remove(part, ignored);
         throw scene::Failure("cannot be written", path, kWriteRemedy);
     }
-    rename(part, path);
+    moveInto(part, path);
 }
 
 void writeWhole(const std::filesystem::path& path, const std::string& text) { writeWhole(path, std::as_bytes(std::span(text))); }

@@ -47,10 +47,11 @@ std::uint32_t footprintOf(const glm::dmat4& c, const TileBounds& bounds, std::ui
 
 } // namespace
 
-TileDraw tileDrawOf(const glm::dmat4& c, const ResidentTile& tile) {
+TileDraw tileDrawOf(const glm::dmat4& c, const ResidentTile& tile, int orderLevel) {
+    const double perScale = 1.0 / static_cast<double>(scene::orderScale(orderLevel));
     const auto hOf = [&](const glm::dvec4& sample) {
         const glm::dvec4 h = c * sample;
-        return glm::dvec4(h.x, h.y, h.z, h.w);
+        return glm::dvec4(h.x, h.y, h.z, h.w * perScale);
     };
     const double step = (static_cast<double>(tile.maxDisparity) - tile.minDisparity) / scene::kMaxQuantisedDisparity;
     TileDraw draw;
@@ -58,7 +59,7 @@ TileDraw tileDrawOf(const glm::dmat4& c, const ResidentTile& tile) {
     draw.perX = glm::vec4(hOf({1, 0, 0, 0}));
     draw.perY = glm::vec4(hOf({0, 1, 0, 0}));
     draw.perQ = glm::vec4(hOf({0, 0, 0, step}));
-    draw.span = {tile.firstVertex, 0, 0, 0};
+    draw.span = {tile.firstVertex, 0, 0, packMark(static_cast<uint>(orderLevel), 1)};
     return draw;
 }
 
@@ -79,15 +80,20 @@ double sampleWidthInEye(const glm::dmat4& c, const glm::dvec3& boxMin, const glm
 }
 
 void buildDrawList(std::span<const ResidentTile> tiles, const TileBounds& bounds, std::span<const TilePiece> pieces,
-                   std::span<const glm::dmat4> eyeImagesFromSources, const VisibleTiles& visible,
+                   std::span<const glm::dmat4> eyeImagesFromSources, std::span<const glm::dvec3> eyeFromCameras,
+                   const VisibleTiles& visible,
                    const Quality& quality, std::span<TileDraw> draws, DrawList& list) {
     assert(tiles.size() < (std::size_t{1} << kTileBits));
     list.order.clear();
+    list.levels.resize(tiles.size());
     for (std::size_t p = 0; p < pieces.size(); ++p)
         for (std::uint32_t i = 0; i < visible.counts[p]; ++i) {
             const std::uint32_t number = visible.slots[pieces[p].first + i];
             const ResidentTile& tile = tiles[number];
             if (itemsOf(tile, quality.warp) == 0) continue;
+            const auto level = scene::orderLevelOf(tile.middle, eyeFromCameras[tile.image], quality.preference);
+            if (!level) continue;
+            list.levels[number] = static_cast<std::uint8_t>(*level);
             list.order.push_back(orderOf(eyeImagesFromSources[tile.image], tile, bounds, number));
         }
     std::sort(list.order.begin(), list.order.end());
@@ -108,10 +114,12 @@ void buildDrawList(std::span<const ResidentTile> tiles, const TileBounds& bounds
             const std::uint32_t number = tileIn(list.order[i]);
             const ResidentTile& tile = tiles[number];
             const glm::dmat4& c = eyeImagesFromSources[tile.image];
-            TileDraw draw = tileDrawOf(c, tile);
+            const int level = list.levels[number];
+            TileDraw draw = tileDrawOf(c, tile, level);
             draw.span.z = itemsOf(tile, quality.warp);
             draw.span.y = quality.warp == Warp::points ? tile.firstVertex : tile.firstQuad;
-            draw.span.w = quality.warp == Warp::points ? footprintOf(c, bounds, number, quality) : 1;
+            const std::uint32_t footprint = quality.warp == Warp::points ? footprintOf(c, bounds, number, quality) : 1;
+            draw.span.w = packMark(static_cast<uint>(level), footprint);
             draws[i] = draw;
         }
     });

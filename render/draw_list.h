@@ -21,11 +21,13 @@ struct DrawList {
     std::vector<DrawRun> runs;
     std::uint32_t tiles = 0;
     std::uint64_t items = 0;          ///< samples (points) or mesh squares
-    std::vector<std::uint64_t> order; ///< scratch, kept from frame to frame
+    std::vector<std::uint64_t> order;  ///< scratch, kept from frame to frame
+    std::vector<std::uint8_t> levels; ///< scratch: order level by the tile's number
 };
 
-/// What the warp of this tile needs. C is multiplied out in double precision and only then rounded.
-TileDraw tileDrawOf(const glm::dmat4& eyeImageFromSource, const ResidentTile& tile);
+/// What the warp of this tile needs, at an order level (scene/preference.h). C is multiplied out in double precision and only
+/// then rounded.
+TileDraw tileDrawOf(const glm::dmat4& eyeImageFromSource, const ResidentTile& tile, int orderLevel = 0);
 
 /// How wide, in pixels, squares must be so that no hole opens between neighbouring samples of one disparity: the larger
 /// side of the box around a projected source pixel (a parallelogram), at the worst corner of the samples' box (x, y at
@@ -34,9 +36,10 @@ TileDraw tileDrawOf(const glm::dmat4& eyeImageFromSource, const ResidentTile& ti
 double sampleWidthInEye(const glm::dmat4& eyeImageFromSource, const glm::dvec3& boxMin, const glm::dvec3& boxMax);
 
 /// Builds the list of all tiles that have items for this warp, and writes draws (room for all tiles of the
-/// scene). eyeImagesFromSources: one C per image. The same bytes on any number of threads.
+/// scene). eyeImagesFromSources: one C per image; eyeFromCameras: how far
+/// the eye stands from the image's camera, metres in the world. The same bytes on any number of threads.
 void buildDrawList(std::span<const ResidentTile> tiles, const TileBounds& bounds, std::span<const TilePiece> pieces,
-                   std::span<const glm::dmat4> eyeImagesFromSources, const VisibleTiles& visible,
-                   const Quality& quality, std::span<TileDraw> draws, DrawList& list);
+                   std::span<const glm::dmat4> eyeImagesFromSources, std::span<const glm::dvec3> eyeFromCameras,
+                   const VisibleTiles& visible, const Quality& quality, std::span<TileDraw> draws, DrawList& list);
 
 } // namespace render

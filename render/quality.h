@@ -1,6 +1,8 @@
 #pragma once
 // Every knob that trades speed for accuracy while drawing.
 
+#include "scene/preference.h"
+
 namespace render {
 
 enum class Warp {
@@ -18,6 +20,10 @@ struct Quality {
     /// Points: width of the square over what closes the holes between samples of one disparity. Above 1 closes the
     /// holes of surfaces that the eye sees more squarely than the camera did, and coarsens silhouettes.
     double footprintScale = 1.0;
+
+    /// Which of several samples of one surface is shown; directional tiles are drawn only with it. As it stands here: the
+    /// nearest in plain z order.
+    scene::PreferenceOptions preference{.nearBaseline = 0};
 };
 
 } // namespace render

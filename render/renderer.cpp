@@ -45,6 +45,7 @@ Renderer::Renderer(const Device& device, const GpuScene& scene, int width, int h
                          {},
                          {},
                          {},
+                         {},
                          {}});
 }
 
@@ -87,17 +88,19 @@ void Renderer::prepare(Eye& eye, const scene::View& view, const Quality& quality
     eye.times.clear();
     timed(eye.times, "cull", index, [&] {
         eye.eyeImagesFromSources.clear();
+        eye.eyeFromCameras.clear();
         eye.planes.clear();
         for (const ResidentImage& image : scene_.images()) {
             const glm::dmat4 c = scene::eyeImageFromSourceImage(view, image.camera, image.worldFromCamera);
             eye.eyeImagesFromSources.push_back(c);
+            eye.eyeFromCameras.push_back(view.worldFromEye.translation - image.worldFromCamera.translation);
             eye.planes.push_back(planesOf(c, width_, height_, marginOf(quality), image.extent));
         }
         cull(scene_.bounds(), scene_.pieces(), eye.planes, eye.visible);
     });
     timed(eye.times, "list", index, [&] {
-        buildDrawList(scene_.tiles(), scene_.bounds(), scene_.pieces(), eye.eyeImagesFromSources, eye.visible, quality,
-                      eye.target.draws[slot].as<TileDraw>(), eye.list);
+        buildDrawList(scene_.tiles(), scene_.bounds(), scene_.pieces(), eye.eyeImagesFromSources, eye.eyeFromCameras,
+                      eye.visible, quality, eye.target.draws[slot].as<TileDraw>(), eye.list);
     });
 }
 

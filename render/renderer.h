@@ -56,6 +56,7 @@ class Renderer {
         EyeTarget target;
         std::array<StepTimer, kFramesInFlight> timers;
         std::vector<glm::dmat4> eyeImagesFromSources;
+        std::vector<glm::dvec3> eyeFromCameras;
         std::vector<ImagePlanes> planes;
         VisibleTiles visible;
         DrawList list;

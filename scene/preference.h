@@ -28,7 +28,20 @@ struct PreferenceOptions {
     int nearLevels = 6; ///< order levels over which near cameras are told apart
 };
 
-/// The tile's order level for this eye; nothing if it is not drawn.
+/// Where a tile's middle is, for a camera: rayInWorld is the ray of depth 1 through it, turned into the world; disparity in 1/m.
+struct TileMiddle {
+    Tier tier = Tier::base;
+    glm::dvec3 rayInWorld{0};
+    double disparity = 0;
+};
+
+TileMiddle middleOf(const Tile& tile, const Camera& camera, const Pose& worldFromCamera);
+
+/// The tile's order level for an eye that stands eyeFromCamera (metres, in the world) away from its camera; nothing if it is not
+/// drawn.
+std::optional<int> orderLevelOf(const TileMiddle& middle, const glm::dvec3& eyeFromCamera, const PreferenceOptions& options);
+
+/// The same, all at once.
 std::optional<int> orderLevelOf(const Tile& tile, const Camera& camera, const Pose& worldFromCamera, const View& eye,
                                 const PreferenceOptions& options);
 

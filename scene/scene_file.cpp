@@ -2,6 +2,7 @@
 
 #include "scene/errors.h"
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
@@ -58,16 +59,13 @@ std::uint64_t blockBytes(const BlockEntry& entry) {
 
 std::uint64_t aligned(std::uint64_t offset) { return (offset + kAlignment - 1) / kAlignment * kAlignment; }
 
-void append(std::vector<std::byte>& bytes, std::span<const std::byte> more) {
-    bytes.insert(bytes.end(), more.begin(), more.end());
-}
-
-/// The block's arrays one after another. Tiles come first and have 40 bytes, so all are aligned to 8.
-std::vector<std::byte> blockOf(const TileSet& set) {
-    std::vector<std::byte> bytes;
-    append(bytes, std::as_bytes(std::span(set.tiles)));
-    append(bytes, std::as_bytes(std::span(set.vertices)));
-    append(bytes, std::as_bytes(std::span(set.quads)));
+/// The arrays one after another behind `room` bytes for a head. Tiles come first and have 40 bytes, so all are aligned to 8.
+std::vector<std::byte> blockOf(const TileSet& set, std::size_t room = 0) {
+    const std::array parts{std::as_bytes(std::span(set.tiles)), std::as_bytes(std::span(set.vertices)),
+                           std::as_bytes(std::span(set.quads))};
+    std::vector<std::byte> bytes(room + parts[0].size() + parts[1].size() + parts[2].size());
+    std::byte* at = bytes.data() + room;
+    for (const auto& part : parts) at = std::copy(part.begin(), part.end(), at);
     return bytes;
 }
 
@@ -174,11 +172,10 @@ void readManifest(Scene& scene, const std::filesystem::path& path) {
 } // namespace
 
 std::vector<std::byte> packTiles(const TileSet& tiles) {
-    const std::vector<std::byte> block = blockOf(tiles);
-    const BlockEntry entry = entryOf(tiles, 0, block);
-    std::vector<std::byte> packed;
-    append(packed, bytesOf(entry));
-    append(packed, block);
+    BlockEntry entry;
+    std::vector<std::byte> packed = blockOf(tiles, sizeof entry);
+    entry = entryOf(tiles, 0, std::span(packed).subspan(sizeof entry));
+    std::memcpy(packed.data(), &entry, sizeof entry);
     return packed;
 }
 
@@ -190,7 +187,7 @@ TileSet unpackTiles(std::span<const std::byte> packed, const std::string& where)
     if (blockBytes(entry) != bytes.size() || checksumOf(bytes) != entry.checksum) throw Failure("is damaged", where, kRemedy);
     TileSet set;
     set.tiles.resize(entry.tileCount), set.vertices.resize(entry.vertexCount), set.quads.resize(entry.quadCount);
-    const auto copy = [at = bytes.data()](auto& array) mutable {
+    auto copy = [at = bytes.data()](auto& array) mutable {
         const std::size_t size = array.size() * sizeof(array[0]);
         if (size > 0) std::memcpy(array.data(), at, size);
         at += size;

@@ -19,7 +19,7 @@ struct RedundancyOptions {
     float preference = 1.5f;
     /// A surface is kept again, as a directional sample, where no kept sample shows it from nearby: from a camera no farther away
     /// than this share of the range (so the directions differ by at most as many radians). 0: never.
-    float baselineShare = 0.05f;
+    float baselineShare = 0.07f;
     int tileSize = kDefaultTileSize;
     ComparisonOptions comparison;
 };

@@ -6,9 +6,9 @@
 //   disparity                                      A .                 . B
 //     |  o o o                                        \  skin        /
 //     |        \   <- a jump that neither              \ o=====o   /     B sees farther than the triangle of A:
-//     |         \     neighbour's slope explains        o \     \o       where A has a surface,
-//     |          o o o                                      \   / \      B found empty space
-//     +------------------ x                                   far wall
+//     |         \     neighbour's slope explains        o \     \o       where A has a surface, B found empty space
+//     |          o o o                                      \   / \ far wall
+//     +------------------ x
 //
 // The paper draws A into B through a z-buffer and repeats until a pass finds no skin, since one skin can hide another. Whether
 // B saw through a triangle does not depend on the other triangles, so each is asked by itself: one pass finds what the repeated

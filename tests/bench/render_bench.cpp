@@ -167,6 +167,7 @@ BENCHMARK(cullingAgainstOneByOne)->Iterations(500)->Unit(benchmark::kMicrosecond
 /// Everything a frame does on the processor before it submits.
 struct EyeWork {
     std::vector<glm::dmat4> matrices;
+    std::vector<glm::dvec3> eyeFromCameras;
     std::vector<ImagePlanes> planes;
     VisibleTiles visible;
     DrawList list;
@@ -188,13 +189,14 @@ void eyesAtOnceAgainstInTurn(benchmark::State& state) {
 
     const auto work = [&](std::size_t i) {
         EyeWork& eye = eyes[i];
-        eye.matrices.clear(), eye.planes.clear();
+        eye.matrices.clear(), eye.eyeFromCameras.clear(), eye.planes.clear();
         for (const ResidentImage& image : scene.images()) {
             eye.matrices.push_back(scene::eyeImageFromSourceImage(views[i], image.camera, image.worldFromCamera));
+            eye.eyeFromCameras.push_back(views[i].worldFromEye.translation - image.worldFromCamera.translation);
             eye.planes.push_back(planesOf(eye.matrices.back(), 640, 480, 3, image.extent));
         }
         cull(scene.bounds(), scene.pieces(), eye.planes, eye.visible);
-        buildDrawList(scene.tiles(), scene.bounds(), scene.pieces(), eye.matrices, eye.visible, {},
+        buildDrawList(scene.tiles(), scene.bounds(), scene.pieces(), eye.matrices, eye.eyeFromCameras, eye.visible, {},
                       eye.target.draws[0].as<TileDraw>(), eye.list);
         const VkCommandBuffer commands = streams.begin(0, static_cast<int>(i));
         recordWarp(commands, warp, scene, eye.target.sets[0], eye.list.runs, 640, 480);

@@ -45,6 +45,7 @@ struct Many {
     TileBounds bounds;
     std::vector<TilePiece> pieces;
     std::vector<glm::dmat4> matrices;
+    std::vector<glm::dvec3> eyeFromCameras{glm::dvec3(0)};
     VisibleTiles visible;
 };
 
@@ -62,7 +63,7 @@ Many manyTiles(std::uint32_t count) {
         tile.minDisparity = static_cast<float>(random() % 1000) / 500, tile.maxDisparity = tile.minDisparity + 0.1f;
         many.bounds.append(tile, camera);
         many.tiles.push_back(
-            {0, i % 3, 0, i % 3 == 1 ? 0 : 10 + i % 7, 0, 5, tile.x0, tile.y0, tile.minDisparity, tile.maxDisparity});
+            {0, i % 3, 0, i % 3 == 1 ? 0 : 10 + i % 7, 0, 5, tile.x0, tile.y0, tile.minDisparity, tile.maxDisparity, scene::middleOf(tile, camera, {})});
         many.visible.slots.push_back(i);
     }
     for (std::uint32_t first = 0; first < count; first += 100) {
@@ -75,7 +76,7 @@ Many manyTiles(std::uint32_t count) {
 DrawList listOf(const Many& many, const Quality& quality, std::vector<TileDraw>& draws) {
     DrawList list;
     draws.assign(many.tiles.size(), {});
-    buildDrawList(many.tiles, many.bounds, many.pieces, many.matrices, many.visible, quality, draws, list);
+    buildDrawList(many.tiles, many.bounds, many.pieces, many.matrices, many.eyeFromCameras, many.visible, quality, draws, list);
     return list;
 }
 
@@ -125,8 +126,8 @@ TEST(DrawList, FootprintsStayWithinTheirLimit) {
         const DrawList list = listOf(many, quality, draws);
         std::uint32_t largest = 0;
         for (std::uint32_t i = 0; i < list.tiles; ++i) {
-            EXPECT_GE(draws[i].span.w, 1u);
-            largest = std::max(largest, draws[i].span.w);
+            EXPECT_GE(footprintOf(draws[i]), 1);
+            largest = std::max(largest, static_cast<std::uint32_t>(footprintOf(draws[i])));
         }
         EXPECT_EQ(largest, static_cast<std::uint32_t>(limit));
     }
@@ -134,7 +135,7 @@ TEST(DrawList, FootprintsStayWithinTheirLimit) {
 
 TEST(DrawList, OfNothingIsEmpty) {
     DrawList list;
-    buildDrawList({}, {}, {}, {}, {}, {}, {}, list);
+    buildDrawList({}, {}, {}, {}, {}, {}, {}, {}, list);
     EXPECT_EQ(list.tiles, 0u);
     EXPECT_TRUE(list.runs.empty());
 }

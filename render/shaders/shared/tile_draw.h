@@ -17,8 +17,7 @@ struct TileDraw {
     vec4 perX;  ///< what one sample to the right adds
     vec4 perY;  ///< one sample down
     vec4 perQ;  ///< one step of quantised disparity
-    uvec4 span; ///< first vertex in the page; first item (points: vertex, mesh: quad); items; footprint in
-                ///< pixels
+    uvec4 span; ///< first vertex in the page; first item (points: vertex, mesh: quad); items; see packMark
 };
 
 struct WarpConstants {
@@ -36,6 +35,17 @@ static_assert(sizeof(TileDraw) == 80 && alignof(TileDraw) == 4);
 static_assert(sizeof(WarpConstants) == 12);
 static_assert(sizeof(ResolveConstants) == 4);
 #endif
+
+/// What a draw's samples have in common, in span.w: order level and footprint.
+SHARED_FUNCTION uint packMark(uint orderLevel, uint footprint) {
+    return (orderLevel << 16) | footprint;
+}
+SHARED_FUNCTION uint orderLevelOf(TileDraw draw) {
+    return draw.span.w >> 16;
+}
+SHARED_FUNCTION int footprintOf(TileDraw draw) {
+    return int(draw.span.w & 0xffffu);
+}
 
 /// Nearest surface that is drawn, 10 micrometres before the eye, as eye disparity in 1/m.
 SHARED_CONSTANT float kMaxEyeDisparity = 1e5f;

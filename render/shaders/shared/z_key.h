@@ -3,8 +3,10 @@
 // A pixel of an eye's z-buffer: 64 bits that compare as wanted, so that one atomic maximum is depth test and
 // write at once and the order of drawing does not matter.
 //
-//     63 ........ 32 | 31 ..... 8 | 7 ... 0          eye disparity is never negative, so that its bits order
-//     as it does; eye disparity  |  b   g   r | class            0 is the cleared pixel: nothing there
+//     63 ........ 32 | 31 ..... 8 | 7 .... 2 | 1 . 0     order disparity is never negative, so that its bits order as it
+//     order disparity|  b   g   r |   level  | class     does; 0 is the cleared pixel: nothing there
+//
+// Order disparity is the eye's over the scale of the order level (scene/preference.h says why).
 //
 // As uvec2 (low, high): x holds colour and class, y the disparity.
 
@@ -18,20 +20,21 @@ SHARED_CONSTANT uint kClassFilled = 2u;
 SHARED_CONSTANT uint kClassUnseen = 3u;
 
 /// colour: r | g << 8 | b << 16; what stands above is dropped.
-SHARED_FUNCTION uvec2 packKey(float eyeDisparity, uint colour, uint pixelClass) {
-    return uvec2((colour << 8) | pixelClass, floatBitsToUint(eyeDisparity));
+SHARED_FUNCTION uvec2 packKey(float orderDisparity, uint colour, uint orderLevel, uint pixelClass) {
+    return uvec2((colour << 8) | (orderLevel << 2) | pixelClass, floatBitsToUint(orderDisparity));
 }
 
 /// r | g << 8 | b << 16 | class << 24: what resolve writes.
 SHARED_FUNCTION uint colourAndClassOf(uvec2 key) {
-    return (key.x >> 8) | (key.x << 24);
+    return (key.x >> 8) | ((key.x & 3u) << 24);
 }
 
 /// Metres along z; 0 where nothing is, infinity for what is infinitely far (sky).
 SHARED_FUNCTION float depthOf(uvec2 key) {
-    if ((key.x & 0xffu) == kClassBackground) return 0.0f;
+    if ((key.x & 3u) == kClassBackground) return 0.0f;
     if (key.y == 0u) return uintBitsToFloat(0x7f800000u);
-    return 1.0f / uintBitsToFloat(key.y);
+    float scale = 1.0f + float((key.x >> 2) & 63u) / 63.0f;
+    return 1.0f / (uintBitsToFloat(key.y) * scale);
 }
 
 SHARED_END

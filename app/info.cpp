@@ -1,0 +1,60 @@
+#include "app/info.h"
+
+#include "scene/scene_file.h"
+
+#include <cstdio>
+
+#include <nlohmann/json.hpp>
+
+namespace app {
+
+namespace {
+
+using nlohmann::json;
+
+std::uintmax_t bytesOnDisk(const std::filesystem::path& folder) {
+    std::uintmax_t bytes = 0;
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(folder))
+        if (entry.is_regular_file()) bytes += entry.file_size();
+    return bytes;
+}
+
+std::string shareText(double part, double whole) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.1f %%", whole > 0 ? 100 * part / whole : 0.0);
+    return text;
+}
+
+} // namespace
+
+void printInfo(const std::filesystem::path& folder, bool asJson) {
+    const scene::Scene scene = scene::openScene(folder);
+    json info = json::parse(scene.manifest);
+    info["bytes_on_disk"] = bytesOnDisk(folder);
+    info["tiles_bytes"] = scene.tilesFile.bytes().size();
+    if (asJson) {
+        std::printf("%s\n", info.dump(1).c_str());
+        return;
+    }
+    const json& f = info.at("figures");
+    const auto number = [&](const char* key) { return f.at(key).get<double>(); };
+    std::printf("%s\n", folder.string().c_str());
+    for (const json& input : info.at("provenance").at("inputs")) std::printf("  from       %s\n", input.get<std::string>().c_str());
+    std::printf("  images     %zu, %zu held out, %.0f overlapping pairs\n", scene.images.size(), scene.heldOut.size(),
+                number("overlapping_pairs"));
+    if (number("scan_points") > 0)
+        std::printf("  scans      %.0f points, %.0f held, %.0f dropped\n", number("scan_points"), number("scan_points_held"),
+                    number("scan_points_dropped"));
+    std::printf("  samples    %.0f; kept %s as base, %s for other directions; %.0f float in empty space\n", number("samples"),
+                shareText(number("samples_base"), number("samples")).c_str(),
+                shareText(number("samples_directional"), number("samples")).c_str(), number("samples_floating"));
+    std::printf("  skins      %s of the triangles by planarity, %s more seen through by another image\n",
+                shareText(number("triangles_skin_planarity"), number("triangles")).c_str(),
+                shareText(number("triangles_skin_seen_through"), number("triangles")).c_str());
+    std::printf("  tiles      %.0f, %.1f MB; scene %.1f MB on disk\n", number("tiles"),
+                static_cast<double>(scene.tilesFile.bytes().size()) / 1e6, info["bytes_on_disk"].get<double>() / 1e6);
+    for (const json& reason : info.at("built")) std::printf("  built      %s\n", reason.get<std::string>().c_str());
+    for (const json& remark : info.at("provenance").at("remarks")) std::printf("  note       %s\n", remark.get<std::string>().c_str());
+}
+
+} // namespace app
