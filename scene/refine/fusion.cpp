@@ -81,8 +81,12 @@ DepthImage fuse(ImageStore& images, std::size_t index, const std::vector<Partner
             const float confidence = nearness * std::exp(-angleSquared * perAngle);
 
             Mean& mean = means(x, y);
-            mean.disparity += nearness * disparityOnPartner(into, px, py, comparison.disparity);
-            mean.disparityWeight += nearness;
+            // Where the ray runs along the partner's image plane that intersection says nothing: it is then far off, or behind.
+            const float onPartner = disparityOnPartner(into, px, py, comparison.disparity);
+            if (std::abs(onPartner - d) <= 2 * options.comparison.sameSurface * d) {
+                mean.disparity += nearness * onPartner;
+                mean.disparityWeight += nearness;
+            }
             const glm::vec3 colour = colourAt(partner, at.u, at.v);
             const glm::vec3 change = colour - colourOf(image, x, y);
             const float weight = confidence * std::exp(-glm::dot(change, change) * perColour);
