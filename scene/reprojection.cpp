@@ -23,8 +23,12 @@ struct Corners {
 Corners cornersAbout(const Camera& camera, float u, float v) {
     const float left = std::floor(u - 0.5f), top = std::floor(v - 0.5f);
     const int x = static_cast<int>(left), y = static_cast<int>(top);
-    return {std::clamp(x, 0, camera.width - 1), std::clamp(y, 0, camera.height - 1), std::clamp(x + 1, 0, camera.width - 1),
-            std::clamp(y + 1, 0, camera.height - 1), u - 0.5f - left, v - 0.5f - top};
+    return {std::clamp(x, 0, camera.width - 1),
+            std::clamp(y, 0, camera.height - 1),
+            std::clamp(x + 1, 0, camera.width - 1),
+            std::clamp(y + 1, 0, camera.height - 1),
+            u - 0.5f - left,
+            v - 0.5f - top};
 }
 
 /// Greatest disparity (the nearest surface) among the 3x3 samples about a pixel; 0 if none has one.
@@ -41,8 +45,8 @@ float nearestAbout(const DepthImage& image, int x, int y) {
 Comparison compareWith(const DepthImage& target, const Sighting& sighting, const ComparisonOptions& options) {
     Comparison result;
     const Camera& camera = target.camera;
-    if (!(sighting.w > 0) || !(sighting.u >= 0) || !(sighting.v >= 0) || !(sighting.u < static_cast<float>(camera.width)) ||
-        !(sighting.v < static_cast<float>(camera.height)))
+    if (!(sighting.w > 0) || !(sighting.u >= 0) || !(sighting.v >= 0) ||
+        !(sighting.u < static_cast<float>(camera.width)) || !(sighting.v < static_cast<float>(camera.height)))
         return result;
 
     const Corners at = cornersAbout(camera, sighting.u, sighting.v);
@@ -53,7 +57,8 @@ Comparison compareWith(const DepthImage& target, const Sighting& sighting, const
     const float lowest = std::min(std::min(d00, d10), std::min(d01, d11));
     const float highest = std::max(std::max(d00, d10), std::max(d01, d11));
     const float slope = highest - lowest;
-    // Bilinear only within a surface. A surface may be steep, but a step of several times the tolerance is a silhouette.
+    // Bilinear only within a surface. A surface may be steep, but a step of several times the tolerance is a
+    // silhouette.
     result.isSmooth = allSurface && slope <= 4 * options.sameSurface * highest;
     float tolerance = options.sameSurface * sighting.disparity;
     if (result.isSmooth) {

@@ -16,8 +16,8 @@ namespace scene {
 
 namespace {
 
-/// A tile ready to be stepped through: h = origin + x columnX + y columnY + q columnQ = (u w, v w, w), all rounded from double.
-/// Disparity is the order's: over orderScale(level).
+/// A tile ready to be stepped through: h = origin + x columnX + y columnY + q columnQ = (u w, v w, w), all rounded from
+/// double. Disparity is the order's: over orderScale(level).
 struct TileWarp {
     glm::vec3 origin, columnX, columnY, columnQ;
     float minDisparity, disparityStep;
@@ -28,7 +28,9 @@ TileWarp tileWarpOf(const Tile& tile, const glm::dmat4& c, int level) {
     const double perScale = 1.0 / static_cast<double>(orderScale(level));
     const double step = (static_cast<double>(tile.maxDisparity) - tile.minDisparity) / kMaxQuantisedDisparity;
     const glm::dvec4 origin = c * glm::dvec4(tile.x0 + 0.5, tile.y0 + 0.5, 1.0, static_cast<double>(tile.minDisparity));
-    return {glm::vec3(glm::dvec3(origin)), glm::vec3(glm::dvec3(c[0])), glm::vec3(glm::dvec3(c[1])),
+    return {glm::vec3(glm::dvec3(origin)),
+            glm::vec3(glm::dvec3(c[0])),
+            glm::vec3(glm::dvec3(c[1])),
             glm::vec3(glm::dvec3(c[3]) * step),
             static_cast<float>(tile.minDisparity * perScale),
             static_cast<float>(step * perScale),
@@ -52,10 +54,12 @@ inline Projected projectVertex(const TileWarp& warp, std::uint32_t place) {
 }
 
 inline std::uint64_t keyOf(float disparity, std::uint32_t colour, std::uint32_t levelAndClass) {
-    return static_cast<std::uint64_t>(std::bit_cast<std::uint32_t>(disparity)) << 32 | (colour & 0xffffffu) << 8 | levelAndClass;
+    return static_cast<std::uint64_t>(std::bit_cast<std::uint32_t>(disparity)) << 32 | (colour & 0xffffffu) << 8 |
+           levelAndClass;
 }
 
-void drawTilePoints(const TileBlock& block, const Tile& tile, const glm::dmat4& c, int level, const WarpOptions& options, ZBuffer& zBuffer) {
+void drawTilePoints(const TileBlock& block, const Tile& tile, const glm::dmat4& c, int level,
+                    const WarpOptions& options, ZBuffer& zBuffer) {
     const TileWarp warp = tileWarpOf(tile, c, level);
     const int footprint = footprintOf(tile, c, options);
     const float half = 0.5f * static_cast<float>(footprint - 1);
@@ -74,12 +78,13 @@ void drawTilePoints(const TileBlock& block, const Tile& tile, const glm::dmat4& 
     }
 }
 
-/// How far outside of a triangle a pixel's centre may lie, in pixels. Edges that two triangles share differ by rounding, and
-/// those of two tiles by quantisation: far less than this. What is drawn twice costs nothing, the greatest key wins.
+/// How far outside of a triangle a pixel's centre may lie, in pixels. Edges that two triangles share differ by
+/// rounding, and those of two tiles by quantisation: far less than this. What is drawn twice costs nothing, the
+/// greatest key wins.
 constexpr float kFatEdge = 1.0f / 64.0f;
 
-/// Rasterises one triangle: pixel centres inside or at its edges. Disparity is affine over the image, as any plane's; colour is
-/// interpolated over the source's image (perspective-correct through perW).
+/// Rasterises one triangle: pixel centres inside or at its edges. Disparity is affine over the image, as any plane's;
+/// colour is interpolated over the source's image (perspective-correct through perW).
 void drawTriangle(const Projected* p, const std::uint32_t* colours, std::uint32_t levelAndClass, ZBuffer& zBuffer) {
     const float minU = std::min(std::min(p[0].u, p[1].u), p[2].u), maxU = std::max(std::max(p[0].u, p[1].u), p[2].u);
     const float minV = std::min(std::min(p[0].v, p[1].v), p[2].v), maxV = std::max(std::max(p[0].v, p[1].v), p[2].v);
@@ -109,7 +114,8 @@ void drawTriangle(const Projected* p, const std::uint32_t* colours, std::uint32_
             // A fat edge must not carry a thin triangle beyond its corners.
             const float disparity =
                 std::clamp(r * p[0].disparity + s * p[1].disparity + t * p[2].disparity, farthest, nearest);
-            const float r1 = std::max(r, 0.f) * p[0].perW, s1 = std::max(s, 0.f) * p[1].perW, t1 = std::max(t, 0.f) * p[2].perW;
+            const float r1 = std::max(r, 0.f) * p[0].perW, s1 = std::max(s, 0.f) * p[1].perW,
+                        t1 = std::max(t, 0.f) * p[2].perW;
             const float scale = 1.f / (r1 + s1 + t1);
             std::uint32_t colour = 0;
             for (int shift = 0; shift < 24; shift += 8) {
@@ -127,7 +133,8 @@ void drawTileMesh(const TileBlock& block, const Tile& tile, const glm::dmat4& c,
     const TileWarp warp = tileWarpOf(tile, c, level);
     const auto vertices = block.vertices.subspan(tile.firstVertex, tile.vertexCount);
     std::vector<Projected> projected(vertices.size());
-    for (std::size_t i = 0; i < vertices.size(); ++i) projected[i] = projectVertex(warp, vertices[i].place);
+    for (std::size_t i = 0; i < vertices.size(); ++i)
+        projected[i] = projectVertex(warp, vertices[i].place);
     const auto draw = [&](std::uint32_t a, std::uint32_t b, std::uint32_t d) {
         const Projected p[3] = {projected[a], projected[b], projected[d]};
         if (p[0].disparity < 0 || p[1].disparity < 0 || p[2].disparity < 0) return;
@@ -153,7 +160,8 @@ void warpBlocks(std::span<const TileBlock> blocks, const View& eye, const WarpOp
     std::vector<glm::dmat4> matrices;
     for (std::size_t b = 0; b < blocks.size(); ++b) {
         matrices.push_back(eyeImageFromSourceImage(eye, blocks[b].camera, blocks[b].worldFromCamera));
-        for (std::size_t t = 0; t < blocks[b].tiles.size(); ++t) work.push_back({b, t});
+        for (std::size_t t = 0; t < blocks[b].tiles.size(); ++t)
+            work.push_back({b, t});
     }
     tbb::enumerable_thread_specific<ZBuffer> buffers([&] { return ZBuffer(zBuffer.width(), zBuffer.height(), 0); });
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, work.size(), 16), [&](const auto& range) {
@@ -211,7 +219,8 @@ EyeImage resolve(const ZBuffer& zBuffer) {
             if (key == 0) continue;
             const auto byte = [&](int shift) { return static_cast<std::uint8_t>(key >> shift & 255u); };
             eye.colour(x, y) = {byte(8), byte(16), byte(24)};
-            eye.depthMetres(x, y) = 1.f / (std::bit_cast<float>(static_cast<std::uint32_t>(key >> 32)) * orderScale(byte(0) >> 2));
+            eye.depthMetres(x, y) =
+                1.f / (std::bit_cast<float>(static_cast<std::uint32_t>(key >> 32)) * orderScale(byte(0) >> 2));
             eye.pixelClass(x, y) = byte(0) & 3;
         }
     return eye;
