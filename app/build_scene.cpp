@@ -19,6 +19,7 @@ void buildScene(const BuildOptions& options) {
     std::filesystem::path work = std::filesystem::absolute(options.output).lexically_normal();
     if (!work.has_filename()) work = work.parent_path();
     const std::filesystem::path output = work;
+    checkReplaceable(output);
     work += ".build";
     StageStore store(work);
 

@@ -52,6 +52,9 @@ struct TileStage {
 TileStage fuseAndCut(const ImportedImages& imported, const Overlaps& overlaps, const SkinStage& skins,
                      const KeepStage& kept, const BuildOptions& options, StageStore& store);
 
+/// What stands under the scene's name already must be a scene, or nothing. Throws scene::Failure.
+void checkReplaceable(const std::filesystem::path& output);
+
 /// The scene folder, under a temporary name until it is whole.
 void writeScene(const std::filesystem::path& output, const scene::Capture& capture,
                 const std::vector<std::size_t>& heldOut, const ImportedImages& imported, const Overlaps& overlaps,

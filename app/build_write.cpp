@@ -93,7 +93,8 @@ void writeImages(const std::filesystem::path& folder, const ImportedImages& impo
     });
 }
 
-/// A scene that is not Revisit's must not be replaced by one.
+} // namespace
+
 void checkReplaceable(const std::filesystem::path& output) {
     std::error_code ignored;
     if (!std::filesystem::exists(output, ignored)) return;
@@ -103,12 +104,9 @@ void checkReplaceable(const std::filesystem::path& output) {
     if (!isScene) throw scene::Failure("exists and is no scene", output, "give another name with -o");
 }
 
-} // namespace
-
 void writeScene(const std::filesystem::path& output, const scene::Capture& capture,
                 const std::vector<std::size_t>& heldOut, const ImportedImages& imported, const Overlaps& overlaps,
                 const SkinStage& skins, const KeepStage& kept, const TileStage& tiles, const BuildOptions& options) {
-    checkReplaceable(output);
     std::filesystem::path part = output;
     part += ".part";
     std::error_code ignored;

@@ -1,0 +1,234 @@
+// From a capture to stereo frames with the built programs; and what happens when they are killed or given rubbish.
+
+#include "tests/app/program.h"
+#include "tests/scene/scratch_folder.h"
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include <opencv2/imgcodecs.hpp>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <csignal>
+#include <fstream>
+
+#include <unistd.h>
+
+namespace app {
+
+namespace {
+
+const std::string kRevisit = REVISIT_PROGRAM, kMakeSample = REVISIT_MAKE_SAMPLE;
+
+/// A small capture, made once for all tests of the program.
+class Walk : public testing::Test {
+  protected:
+    static void SetUpTestSuite() {
+        scratch_ = new scene::ScratchFolder;
+        const Outcome made =
+            run({kMakeSample, capture(), "--scene", "room", "--images", "10", "--size", "160x120"}, folder());
+        ASSERT_EQ(made.status, 0) << made.output;
+        const Outcome built =
+            run({kRevisit, "build", capture(), "-o", path("room.revisit"), "--hold-out", "every:5:2"}, folder());
+        ASSERT_EQ(built.status, 0) << built.output;
+    }
+    static void TearDownTestSuite() { delete scratch_; }
+
+    static std::filesystem::path folder() { return scratch_->path(); }
+    static std::string path(const std::string& name) { return (folder() / name).string(); }
+    static std::string capture() { return path("capture"); }
+
+  private:
+    static inline scene::ScratchFolder* scratch_ = nullptr;
+};
+
+nlohmann::json readJson(const std::string& path) {
+    std::ifstream file(path);
+    return nlohmann::json::parse(file);
+}
+
+double psnr(const cv::Mat3b& a, const cv::Mat3b& b, const cv::Mat1b& where) {
+    double sum = 0;
+    int count = 0;
+    for (int y = 0; y < a.rows; ++y)
+        for (int x = 0; x < a.cols; ++x)
+            for (int c = 0; c < 3 && where(y, x); ++c, ++count)
+                sum += std::pow(a(y, x)[c] - b(y, x)[c], 2);
+    return 10 * std::log10(255.0 * 255.0 * count / std::max(sum, 1e-9));
+}
+
+TEST_F(Walk, HeldOutViewsComeBackByBothWarps) {
+    for (const std::string warp : {"points", "mesh"}) {
+        const std::string out = path("held-" + warp);
+        const Outcome drawn =
+            run({kRevisit, "render", path("room.revisit"), "--out", out, "--aux", "--warp", warp}, folder());
+        ASSERT_EQ(drawn.status, 0) << drawn.output;
+        const nlohmann::json report = readJson(out + "/report.json");
+        EXPECT_EQ(report.at("frames"), 2);
+        EXPECT_GT(report.at("samples_drawn").at("median"), 1000);
+        const nlohmann::json scene = readJson(path("room.revisit") + "/scene.json");
+        ASSERT_EQ(scene.at("held_out").size(), 2u);
+        for (const auto& camera : scene.at("held_out")) {
+            const std::string name = camera.at("name");
+            const cv::Mat3b drawnPicture = cv::imread(out + "/" + name + ".png", cv::IMREAD_COLOR);
+            cv::Mat3b truth;
+            for (const char* extension : {".png", ".jpg"})
+                if (truth.empty()) truth = cv::imread(capture() + "/images/" + name + extension, cv::IMREAD_COLOR);
+            const cv::Mat1b seen = cv::imread(out + "/" + name + "-class.png", cv::IMREAD_UNCHANGED);
+            ASSERT_FALSE(drawnPicture.empty() || truth.empty() || seen.empty()) << name;
+            EXPECT_GT(cv::countNonZero(seen), seen.rows * seen.cols / 3) << name << " by " << warp;
+            EXPECT_GT(psnr(drawnPicture, truth, seen), 18) << name << " by " << warp;
+        }
+    }
+}
+
+TEST_F(Walk, StereoFramesHaveTheRightParallax) {
+    const std::string out = path("stereo");
+    nlohmann::json walk = readJson(capture() + "/walk.json");
+    walk["poses"].erase(walk["poses"].begin() + 2, walk["poses"].end());
+    std::ofstream(path("still.json")) << walk.dump();
+    const Outcome drawn = run({kRevisit, "render", path("room.revisit"), "--out", out, "--path", path("still.json"),
+                               "--size", "160x120", "--aux"},
+                              folder());
+    ASSERT_EQ(drawn.status, 0) << drawn.output;
+    const cv::Mat1f left = cv::imread(out + "/pose-0000-left-depth.tiff", cv::IMREAD_UNCHANGED);
+    const cv::Mat3b leftColour = cv::imread(out + "/pose-0000-left.png"),
+                    rightColour = cv::imread(out + "/pose-0000-right.png");
+    ASSERT_FALSE(left.empty() || leftColour.empty() || rightColour.empty());
+    // A surface at depth z stands f ipd / z pixels farther left in the right eye; with that shift the pictures agree
+    // better than with the opposite one.
+    const double focal = 160 / (2 * std::tan(0.6));
+    double rightWay = 0, wrongWay = 0;
+    int count = 0;
+    for (int y = 0; y < left.rows; ++y)
+        for (int x = 20; x < left.cols - 20; ++x) {
+            if (!(left(y, x) > 0) || !std::isfinite(left(y, x))) continue;
+            const int shift = static_cast<int>(std::lround(focal * 0.063 / static_cast<double>(left(y, x))));
+            if (shift < 2 || shift > 20) continue;
+            ++count;
+            for (int c = 0; c < 3; ++c) {
+                rightWay += std::abs(leftColour(y, x)[c] - rightColour(y, x - shift)[c]);
+                wrongWay += std::abs(leftColour(y, x)[c] - rightColour(y, x + shift)[c]);
+            }
+        }
+    ASSERT_GT(count, 500);
+    EXPECT_LT(rightWay, 0.7 * wrongWay);
+}
+
+TEST_F(Walk, TheSameBytesOnOneThreadAndAfterBeingKilled) {
+    const auto whole = filesOf(path("room.revisit"));
+    ASSERT_FALSE(whole.empty());
+    const std::string scene = path("killed.revisit");
+    const std::vector<std::string> build{kRevisit,     "build",     capture(),   "-o", scene,
+                                         "--hold-out", "every:5:2", "--threads", "1"};
+    const auto begin = std::chrono::steady_clock::now();
+    ASSERT_EQ(run(build, folder()).status, 0);
+    const auto length = std::chrono::steady_clock::now() - begin;
+    EXPECT_EQ(filesOf(scene), whole) << "one thread or all";
+
+    // Killed at points spread over the build's length, each time going on from what the last left.
+    std::filesystem::remove_all(scene);
+    std::filesystem::remove_all(scene + ".build");
+    constexpr int kKills = 20;
+    int killed = 0;
+    for (int i = 1; i <= kKills; ++i) {
+        if (i % 5 == 0) std::filesystem::remove_all(scene + ".build");
+        const pid_t process = start(build, folder() / "killed.txt");
+        usleep(static_cast<useconds_t>(std::chrono::duration_cast<std::chrono::microseconds>(length).count() * i /
+                                       (kKills + 1)));
+        kill(process, SIGKILL);
+        if (waitFor(process, folder() / "killed.txt").status == 128 + SIGKILL) ++killed;
+        if (std::filesystem::exists(scene)) {
+            EXPECT_EQ(filesOf(scene), whole) << "a scene under the name must be whole, after kill " << i;
+            std::filesystem::remove_all(scene);
+        }
+    }
+    EXPECT_GT(killed, kKills / 4) << "the kills must hit";
+    const Outcome finished = run(build, folder());
+    ASSERT_EQ(finished.status, 0) << finished.output;
+    EXPECT_EQ(filesOf(scene), whole);
+    EXPECT_FALSE(std::filesystem::exists(scene + ".part"));
+}
+
+TEST_F(Walk, WrongUsageIsTwoAndWhatCannotBeDoneIsOne) {
+    struct Case {
+        std::vector<std::string> command;
+        int status;
+        const char* says;
+    };
+    const std::string room = path("room.revisit");
+    const std::vector<Case> cases{
+        {{kRevisit}, 2, "subcommand"},
+        {{kRevisit, "build"}, 2, "INPUT"},
+        {{kRevisit, "build", capture(), "-o", path("x.revisit"), "--register", "auto"}, 2, "registration"},
+        {{kRevisit, "build", capture(), "-o", path("x.revisit"), "--memory", "lots"}, 2, "--memory"},
+        {{kRevisit, "render", room, "--out", path("x"), "--size", "0x10"}, 2, "--size"},
+        {{kRevisit, "render", room, "--out", path("x"), "--warp", "splats"}, 2, "splats"},
+        {{kRevisit, "build", path("nowhere"), "-o", path("x.revisit")}, 1, "no such file"},
+        {{kRevisit, "build", room, "-o", path("x.revisit")}, 1, "no capture"},
+        {{kRevisit, "build", capture(), "-o", capture()}, 1, "is no scene"},
+        {{kRevisit, "info", capture()}, 1, "scene.json"},
+        {{kRevisit, "render", room, "--out", path("x"), "--path", path("nowhere.json")}, 1, "no such file"},
+        {{kRevisit, "render", room, "--out", path("x"), "--cameras", capture() + "/walk.json"}, 1, "no cameras"},
+        {{kRevisit, "render", room, "--out", "/proc/nowhere", "--cameras", capture() + "/walk.json"}, 1, ""},
+    };
+    for (const Case& c : cases) {
+        const Outcome outcome = run(c.command, folder());
+        EXPECT_EQ(outcome.status, c.status) << testing::PrintToString(c.command) << "\n" << outcome.output;
+        EXPECT_NE(outcome.output.find(c.says), std::string::npos) << testing::PrintToString(c.command) << "\n"
+                                                                  << outcome.output;
+        if (c.status == 1) {
+            EXPECT_EQ(std::count(outcome.output.begin(), outcome.output.end(), '\n'), 1) << "one line:\n"
+                                                                                         << outcome.output;
+        }
+    }
+    EXPECT_FALSE(std::filesystem::exists(path("x.revisit"))) << "nothing half-written";
+}
+
+TEST_F(Walk, ADamagedSceneIsRefusedByName) {
+    const std::string damaged = path("damaged.revisit");
+    for (const char* file : {"tiles.bin", "scene.json"}) {
+        std::filesystem::remove_all(damaged);
+        std::filesystem::copy(path("room.revisit"), damaged, std::filesystem::copy_options::recursive);
+        const std::filesystem::path victim = std::filesystem::path(damaged) / file;
+        const auto size = std::filesystem::file_size(victim);
+        for (const std::uintmax_t cut : {std::uintmax_t{0}, std::uintmax_t{30}, size / 2, size - 1}) {
+            std::filesystem::copy_file(path("room.revisit") + "/" + file, victim,
+                                       std::filesystem::copy_options::overwrite_existing);
+            std::filesystem::resize_file(victim, cut);
+            const Outcome outcome = run({kRevisit, "info", damaged}, folder());
+            // scene.json ends in a line feed that it can do without.
+            if (std::string(file) == "scene.json" && cut == size - 1) continue;
+            EXPECT_EQ(outcome.status, 1) << file << " cut to " << cut << "\n" << outcome.output;
+            EXPECT_NE(outcome.output.find(file), std::string::npos) << outcome.output;
+        }
+    }
+    std::filesystem::remove_all(damaged);
+    std::filesystem::copy(path("room.revisit"), damaged, std::filesystem::copy_options::recursive);
+    const std::filesystem::path tiles = std::filesystem::path(damaged) / "tiles.bin";
+    const auto size = std::filesystem::file_size(tiles);
+    for (std::uintmax_t at = 0; at < 400; at += 7) {
+        std::fstream file(tiles, std::ios::in | std::ios::out | std::ios::binary);
+        const std::uintmax_t place = at < 200 ? at : size * at / 400;
+        file.seekg(static_cast<std::streamoff>(place));
+        const int byte = file.get();
+        file.seekp(static_cast<std::streamoff>(place));
+        file.put(static_cast<char>(byte ^ 0x10));
+        file.close();
+        const Outcome outcome = run({kRevisit, "info", damaged}, folder());
+        EXPECT_TRUE(outcome.status == 1 || outcome.status == 0) << "byte " << place << "\n" << outcome.output;
+        if (place < 64) {
+            EXPECT_EQ(outcome.status, 1) << "header byte " << place;
+        }
+        std::fstream back(tiles, std::ios::in | std::ios::out | std::ios::binary);
+        back.seekp(static_cast<std::streamoff>(place));
+        back.put(static_cast<char>(byte));
+    }
+}
+
+} // namespace
+
+} // namespace app
