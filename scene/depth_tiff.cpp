@@ -96,6 +96,7 @@ class Checksum {
     void add(const Image<T>& image) {
         XXH3_64bits_update(state_.get(), image.pixels().data(), image.pixels().size_bytes());
     }
+    void add(const std::string& text) { XXH3_64bits_update(state_.get(), text.data(), text.size()); }
     std::string text() const {
         char hex[17];
         std::snprintf(hex, sizeof hex, "%016llx", static_cast<unsigned long long>(XXH3_64bits_digest(state_.get())));
@@ -114,6 +115,12 @@ std::string checksumOf(const DepthImage& image) {
     sum.add(image.colour);
     sum.add(image.disparity);
     sum.add(image.flags);
+    return sum.text();
+}
+
+std::string checksumOf(const json& description) {
+    Checksum sum;
+    sum.add(description.dump());
     return sum.text();
 }
 
@@ -143,15 +150,22 @@ void writeWhole(const std::filesystem::path& path, WritePages writePages) {
     }
 }
 
-json describe(const DepthImage& image) {
+/// As text. A name that is not UTF-8 is none that JSON can hold.
+std::string describe(const DepthImage& image, const std::filesystem::path& path) {
     const glm::dmat4 m = toMatrix(image.worldFromCamera);
     json matrix = json::array();
     for (int row = 0; row < 4; ++row)
         for (int column = 0; column < 4; ++column) matrix.push_back(m[column][row]);
     const Camera& c = image.camera;
-    return {{"revisit", "depth image"}, {"version", 1}, {"name", image.name}, {"width", c.width}, {"height", c.height},
+    json root = {{"revisit", "depth image"}, {"version", 1}, {"name", image.name}, {"width", c.width}, {"height", c.height},
             {"fx", c.fx}, {"fy", c.fy}, {"cx", c.cx}, {"cy", c.cy}, {"world_from_camera", matrix},
             {"checksum", checksumOf(image)}};
+    try {
+        root["description_checksum"] = checksumOf(root);
+        return root.dump();
+    } catch (const json::type_error&) {
+        throw Failure("is to hold an image whose name is not UTF-8", path, "rename the picture it comes from");
+    }
 }
 
 /// Camera, pose, name and checksum from the first page's description.
@@ -160,9 +174,13 @@ std::string readDescription(TIFF* tiff, DepthImage& image, const std::filesystem
     if (TIFFGetField(tiff, TIFFTAG_IMAGEDESCRIPTION, &text) != 1 || !text)
         throw Failure("is no depth image: it has no description", path, kReadRemedy);
     try {
-        const json root = json::parse(text);
+        json root = json::parse(text);
         if (root.at("revisit") != "depth image") throw Failure("is no depth image", path, kReadRemedy);
         if (root.at("version") != 1) throw Failure("is of another version", path, "build the scene again with this Revisit");
+        const auto written = root.at("description_checksum").get<std::string>();
+        root.erase("description_checksum");
+        if (checksumOf(root) != written)
+            throw Failure("has a description that has changed since it was written", path, kReadRemedy);
         image.name = root.at("name").get<std::string>();
         image.camera = {root.at("width").get<int>(), root.at("height").get<int>(), root.at("fx").get<double>(),
                         root.at("fy").get<double>(), root.at("cx").get<double>(), root.at("cy").get<double>()};
@@ -196,7 +214,7 @@ void checkSize(const Camera& camera, const std::filesystem::path& path) {
 } // namespace
 
 void writeDepthTiff(const DepthImage& image, const std::filesystem::path& path) {
-    const std::string description = describe(image).dump();
+    const std::string description = describe(image, path);
     writeWhole(path, [&](TIFF* tiff) {
         writePage(tiff, image.colour, 8, 3, SAMPLEFORMAT_UINT, &description, path);
         writePage(tiff, image.disparity, 32, 1, SAMPLEFORMAT_IEEEFP, nullptr, path);

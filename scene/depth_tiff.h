@@ -4,7 +4,8 @@
 //   page 1  colour, 8 bit RGB         page 2  disparity, 32 bit float, 1/m       page 3  flags, 8 bit
 //
 // Each page is deflated in strips. The first page's ImageDescription is JSON: {"revisit": "depth image", "version": 1, "name",
-// "width", "height", "fx", "fy", "cx", "cy", "world_from_camera": [16, row-major], "checksum": "xxh3-64 of the three pages"}.
+// "width", "height", "fx", "fy", "cx", "cy", "world_from_camera": [16, row-major], "checksum": "xxh3-64 of the three pages",
+// "description_checksum": "xxh3-64 of all this without itself, dumped with sorted keys and no spaces"}.
 
 #include "scene/depth_image.h"
 

@@ -1,7 +1,9 @@
 #include "scene/image_store.h"
 
 #include "scene/depth_tiff.h"
+#include "scene/errors.h"
 
+#include <algorithm>
 #include <limits>
 
 namespace scene {
@@ -38,6 +40,9 @@ ImageStore::Lease ImageStore::borrow(std::size_t index) {
         // Others may borrow and give back meanwhile; who wants this image waits for it.
         try {
             DepthImage image = readDepthTiff(entry.stored.file);
+            if (image.camera.width != entry.stored.camera.width || image.camera.height != entry.stored.camera.height)
+                throw Failure("is not the image that the scene lists: its size differs", entry.stored.file,
+                              "remove it and build the scene again");
             if (!entry.stored.flagsFile.empty()) image.flags = readFlagsTiff(entry.stored.flagsFile, image.camera);
             lock.lock();
             entry.image = std::move(image);
@@ -53,6 +58,16 @@ ImageStore::Lease ImageStore::borrow(std::size_t index) {
         loaded_.notify_all();
     }
     return {this, index, &entry.image};
+}
+
+std::size_t ImageStore::residentBytes() const {
+    const std::lock_guard lock(mutex_);
+    return residentBytes_;
+}
+
+std::size_t ImageStore::peakBytes() const {
+    const std::lock_guard lock(mutex_);
+    return peakBytes_;
 }
 
 void ImageStore::giveBack(std::size_t index) {

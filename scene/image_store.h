@@ -32,8 +32,8 @@ class ImageStore {
     const StoredImage& at(std::size_t index) const { return entries_[index].stored; }
     Lease borrow(std::size_t index);
     /// Bytes of pixels held at the moment, and the most there ever were.
-    std::size_t residentBytes() const { return residentBytes_; }
-    std::size_t peakBytes() const { return peakBytes_; }
+    std::size_t residentBytes() const;
+    std::size_t peakBytes() const;
 
   private:
     enum class State { absent, loading, resident };
@@ -50,7 +50,7 @@ class ImageStore {
     std::vector<Entry> entries_;
     std::size_t budgetBytes_, residentBytes_ = 0, peakBytes_ = 0;
     std::uint64_t clock_ = 0;
-    std::mutex mutex_;
+    mutable std::mutex mutex_;
     std::condition_variable loaded_;
 };
 

@@ -8,34 +8,45 @@ namespace scene {
 
 namespace {
 
-/// Rasterises one triangle: pixel centres inside or on its edges. Edges are inclusive on both sides: a pixel on a
-/// shared edge is drawn twice and the greatest key wins, so nothing leaks. Disparity is affine over the image, as any
-/// plane's; colour is interpolated over the source's image (perspective-correct through perW).
+/// How far outside of a triangle a pixel's centre may lie, in pixels. Edges that two triangles share differ by
+/// rounding, and those of two tiles by quantisation: far less than this. What is drawn twice costs nothing, the
+/// greatest key wins.
+constexpr float kFatEdge = 1.0f / 64.0f;
+
+/// Rasterises one triangle: pixel centres inside or at its edges. Disparity is affine over the image, as any plane's;
+/// colour is interpolated over the source's image (perspective-correct through perW).
 RowRange drawTriangle(const Projected* p, const std::uint32_t* colours, std::uint32_t levelAndClass,
                       const ImageView<std::uint64_t>& zBuffer) {
     const float minU = std::min(std::min(p[0].u, p[1].u), p[2].u), maxU = std::max(std::max(p[0].u, p[1].u), p[2].u);
     const float minV = std::min(std::min(p[0].v, p[1].v), p[2].v), maxV = std::max(std::max(p[0].v, p[1].v), p[2].v);
     const auto width = static_cast<float>(zBuffer.width), height = static_cast<float>(zBuffer.height);
-    const int x0 = static_cast<int>(std::ceil(std::clamp(minU, 0.f, width) - 0.5f));
-    const int x1 = static_cast<int>(std::floor(std::clamp(maxU, -1.f, width) - 0.5f));
-    const int y0 = static_cast<int>(std::ceil(std::clamp(minV, 0.f, height) - 0.5f));
-    const int y1 = static_cast<int>(std::floor(std::clamp(maxV, -1.f, height) - 0.5f));
+    const int x0 = static_cast<int>(std::ceil(std::clamp(minU - kFatEdge, 0.f, width) - 0.5f));
+    const int x1 = static_cast<int>(std::floor(std::clamp(maxU + kFatEdge, -1.f, width) - 0.5f));
+    const int y0 = static_cast<int>(std::ceil(std::clamp(minV - kFatEdge, 0.f, height) - 0.5f));
+    const int y1 = static_cast<int>(std::floor(std::clamp(maxV + kFatEdge, -1.f, height) - 0.5f));
     if (x0 > x1 || y0 > y1) return {};
 
     // Relative to the first vertex: small triangles far from the image's corner keep their precision.
     const float ax = p[1].u - p[0].u, ay = p[1].v - p[0].v, bx = p[2].u - p[0].u, by = p[2].v - p[0].v;
     const float area = ax * by - ay * bx;
-    if (area == 0.f) return {};
-    const float perArea = 1.f / area;
+    if (!(std::abs(area) > 1e-20f)) return {}; // seen edge-on: the neighbours have the pixels
+    const float perArea = 1.f / area, fat = kFatEdge * std::abs(perArea);
+    const float slackR = (std::abs(ax - bx) + std::abs(ay - by)) * fat;
+    const float slackS = (std::abs(bx) + std::abs(by)) * fat, slackT = (std::abs(ax) + std::abs(ay)) * fat;
+    const float farthest = std::min(std::min(p[0].disparity, p[1].disparity), p[2].disparity);
+    const float nearest = std::max(std::max(p[0].disparity, p[1].disparity), p[2].disparity);
     const auto channel = [](std::uint32_t colour, int shift) { return static_cast<float>(colour >> shift & 255u); };
     for (int y = y0; y <= std::min(y1, zBuffer.height - 1); ++y) {
         for (int x = x0; x <= std::min(x1, zBuffer.width - 1); ++x) {
             const float dx = static_cast<float>(x) + 0.5f - p[0].u, dy = static_cast<float>(y) + 0.5f - p[0].v;
             const float s = (dx * by - dy * bx) * perArea, t = (ax * dy - ay * dx) * perArea;
             const float r = 1.f - s - t;
-            if (s < 0.f || t < 0.f || r < 0.f) continue;
-            const float disparity = r * p[0].disparity + s * p[1].disparity + t * p[2].disparity;
-            const float r1 = r * p[0].perW, s1 = s * p[1].perW, t1 = t * p[2].perW;
+            if (!(s >= -slackS && t >= -slackT && r >= -slackR)) continue;
+            // A fat edge must not carry a thin triangle beyond its corners.
+            const float disparity =
+                std::clamp(r * p[0].disparity + s * p[1].disparity + t * p[2].disparity, farthest, nearest);
+            const float r1 = std::max(r, 0.f) * p[0].perW, s1 = std::max(s, 0.f) * p[1].perW,
+                        t1 = std::max(t, 0.f) * p[2].perW;
             const float scale = 1.f / (r1 + s1 + t1);
             std::uint32_t colour = 0;
             for (int shift = 0; shift < 24; shift += 8) {

@@ -1,4 +1,4 @@
-# Tests of the synthetic scenes: against their own equations, on one thread and on two.
-add_executable(revisit_synthetic_tests scene/synthetic_test.cpp)
-target_link_libraries(revisit_synthetic_tests PRIVATE scene revisit_flags TBB::tbb GTest::gtest_main)
-gtest_discover_tests(revisit_synthetic_tests DISCOVERY_TIMEOUT 60)
+# Synthetic scenes: against their own equations, on one thread and on two.
+revisit_test(revisit_synthetic_tests LABELS unit TIMEOUT 600
+    SOURCES scene/synthetic_test.cpp
+    LINKS scene TBB::tbb)

@@ -45,15 +45,32 @@ void openInput(const std::filesystem::path& input, Capture& capture) {
                   "give an .e57, a .ptx, a transforms.json or a folder in TUM layout");
 }
 
-/// Names become file names: letters, digits, dash, underscore and dot of any alphabet stay, the rest becomes a dash.
+/// Bytes of the UTF-8 character at the start of text; 0 if none starts there.
+std::size_t bytesOfCharacter(std::string_view text) {
+    const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
+    const std::size_t count = byte(0) < 0x80 ? 1 : byte(0) < 0xc2 ? 0 : byte(0) < 0xe0 ? 2 : byte(0) < 0xf0 ? 3 : byte(0) < 0xf5 ? 4 : 0;
+    if (count > text.size()) return 0;
+    for (std::size_t i = 1; i < count; ++i)
+        if ((byte(i) & 0xc0) != 0x80) return 0;
+    // Longer than need be, surrogates, and what is beyond Unicode.
+    if ((byte(0) == 0xe0 && byte(1) < 0xa0) || (byte(0) == 0xed && byte(1) > 0x9f) || (byte(0) == 0xf0 && byte(1) < 0x90) ||
+        (byte(0) == 0xf4 && byte(1) > 0x8f))
+        return 0;
+    return count;
+}
+
+/// Names become file names in UTF-8: letters, digits, dash, underscore and dot of any alphabet stay, the rest becomes a dash.
 std::string fileNameOf(const std::string& name) {
-    std::string clean;
-    for (const char c : name) {
-        const auto byte = static_cast<unsigned char>(c);
-        clean += byte >= 0x80 || std::isalnum(byte) || c == '-' || c == '_' || c == '.' ? c : '-';
-    }
     constexpr std::size_t kMaxNameBytes = 100;
-    if (clean.size() > kMaxNameBytes) clean.resize(kMaxNameBytes);
+    std::string clean;
+    for (std::string_view rest = name; !rest.empty();) {
+        const std::size_t bytes = bytesOfCharacter(rest);
+        if (clean.size() + std::max<std::size_t>(bytes, 1) > kMaxNameBytes) break;
+        const auto c = static_cast<unsigned char>(rest.front());
+        const bool stays = bytes > 1 || (bytes == 1 && (std::isalnum(c) || c == '-' || c == '_' || c == '.'));
+        clean += stays ? rest.substr(0, bytes) : "-";
+        rest.remove_prefix(std::max<std::size_t>(bytes, 1));
+    }
     if (clean.empty() || clean.front() == '.') clean.insert(0, "item");
     return clean;
 }
@@ -102,7 +119,7 @@ std::vector<std::size_t> findHeldOut(const Capture& capture, const std::string& 
     std::unordered_map<std::string, std::size_t> indexOf;
     for (std::size_t i = 0; i < capture.photos.size(); ++i) indexOf.emplace(capture.photos[i].name, i);
     std::ifstream file(rule);
-    if (!file) throw Failure("no such file", "--hold-out " + rule, "write every:N:FIRST, or name a file with an image name on each line");
+    if (!file || std::filesystem::is_directory(rule)) throw Failure("no such file", "--hold-out " + rule, "write every:N:FIRST, or name a file with an image name on each line");
     std::string name;
     for (std::size_t line = 1; std::getline(file, name); ++line) {
         while (!name.empty() && std::isspace(static_cast<unsigned char>(name.back()))) name.pop_back();

@@ -2,7 +2,9 @@
 
 #include "scene/errors.h"
 
+#include <algorithm>
 #include <cmath>
+#include <span>
 
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgcodecs.hpp>
@@ -48,7 +50,7 @@ cv::Mat1f readDepth(const PhotoSource& source) {
                       "export depth as 16 bit PNG or 32 bit float TIFF");
     for (int y = 0; y < metres.rows; ++y)
         for (float& value : std::span<float>(metres[y], static_cast<std::size_t>(metres.cols)))
-            if (!std::isfinite(value) || value <= 0) value = 0;
+            if (!std::isfinite(value) || value <= 0 || !std::isfinite(1 / value)) value = 0;
     return metres;
 }
 
@@ -92,7 +94,8 @@ Undistortion findUndistortion(const PhotoSource& source) {
 
 DepthImage readPhoto(const PhotoSource& source) {
     const Camera& camera = source.camera;
-    cv::Mat colour = readPicture(source.colourPath, cv::IMREAD_COLOR);
+    // As stored: depth is registered to the pixels, not to how a viewer is asked to turn them.
+    cv::Mat colour = readPicture(source.colourPath, cv::IMREAD_COLOR | cv::IMREAD_IGNORE_ORIENTATION);
     const cv::Mat1f depth = readDepth(source);
     if (colour.cols != camera.width || colour.rows != camera.height)
         throw Failure("picture is " + sizeText(colour.cols, colour.rows) + " but its camera is " +

@@ -19,7 +19,10 @@ constexpr double kRotationTolerance = 1e-3; ///< manifests round their matrices
 constexpr int kMaxPictureSide = 65536;
 
 json parseManifest(const std::filesystem::path& manifest) {
-    if (std::filesystem::file_size(manifest) > kMaxManifestBytes)
+    std::error_code error;
+    const std::uintmax_t bytes = std::filesystem::file_size(manifest, error);
+    if (error) throw Failure("cannot be read (" + error.message() + ")", manifest, "name the transforms.json of a capture");
+    if (bytes > kMaxManifestBytes)
         throw Failure("manifest is larger than 1 GiB", manifest, "name the transforms.json of a capture");
     std::ifstream file(manifest);
     if (!file) throw Failure("cannot be opened", manifest, "check that it is readable");
@@ -27,16 +30,9 @@ json parseManifest(const std::filesystem::path& manifest) {
         return json::parse(file);
     } catch (const json::parse_error& e) {
         throw Failure("is not valid JSON", atByte(manifest, e.byte), "repair it there, or export the capture again");
+    } catch (const json::exception& e) { // a number that no double can hold
+        throw Failure(std::string("is not usable (") + e.what() + ")", manifest, "repair it, or export the capture again");
     }
-}
-
-/// A number of the frame, else of the whole manifest, else nothing.
-std::optional<double> findNumber(const json& frame, const json& root, const char* key) {
-    for (const json* from : {&frame, &root}) {
-        const auto found = from->find(key);
-        if (found != from->end() && found->is_number()) return found->get<double>();
-    }
-    return std::nullopt;
 }
 
 class FrameReader {
@@ -52,7 +48,7 @@ class FrameReader {
         photo.camera = camera();
         photo.distortion = distortion();
         photo.worldFromCamera = pose();
-        photo.depthUnitMetres = findNumber(frame_, root_, "depth_unit_scale_factor").value_or(0.001);
+        photo.depthUnitMetres = findNumber("depth_unit_scale_factor").value_or(0.001);
         if (!(photo.depthUnitMetres > 0) || !std::isfinite(photo.depthUnitMetres))
             throw Failure("depth_unit_scale_factor is not a positive number", where_, "give metres per depth step, e.g. 0.001");
         return photo;
@@ -68,8 +64,20 @@ class FrameReader {
         return path.is_absolute() ? path : manifest_.parent_path() / path;
     }
 
+    /// A number of the frame, else of the whole manifest, else nothing.
+    std::optional<double> findNumber(const char* key) const {
+        for (const json* from : {&frame_, &root_}) {
+            const auto found = from->find(key);
+            if (found == from->end() || found->is_null()) continue;
+            if (!found->is_number())
+                throw Failure(std::string(key) + " is not a number but " + found->dump().substr(0, 40), where_, "correct it");
+            return found->get<double>();
+        }
+        return std::nullopt;
+    }
+
     double need(const char* key) const {
-        const auto value = findNumber(frame_, root_, key);
+        const auto value = findNumber(key);
         if (!value) throw Failure(std::string("has no ") + key, where_, "add the camera's intrinsics");
         return *value;
     }
@@ -80,25 +88,25 @@ class FrameReader {
         if (!(width >= 1 && width <= kMaxPictureSide && height >= 1 && height <= kMaxPictureSide))
             throw Failure("picture size w x h is not between 1 and 65536", where_, "correct w and h");
         camera.width = static_cast<int>(width), camera.height = static_cast<int>(height);
-        if (const auto fx = findNumber(frame_, root_, "fl_x")) {
+        if (const auto fx = findNumber("fl_x")) {
             camera.fx = *fx;
         } else {
-            const auto angle = findNumber(frame_, root_, "camera_angle_x");
+            const auto angle = findNumber("camera_angle_x");
             if (!angle) throw Failure("has neither fl_x nor camera_angle_x", where_, "add the camera's intrinsics");
             camera.fx = width / 2 / std::tan(*angle / 2);
         }
-        camera.fy = findNumber(frame_, root_, "fl_y").value_or(camera.fx);
-        camera.cx = findNumber(frame_, root_, "cx").value_or(width / 2);
-        camera.cy = findNumber(frame_, root_, "cy").value_or(height / 2);
+        camera.fy = findNumber("fl_y").value_or(camera.fx);
+        camera.cx = findNumber("cx").value_or(width / 2);
+        camera.cy = findNumber("cy").value_or(height / 2);
         if (!isUsable(camera)) throw Failure("camera intrinsics are not usable numbers", where_, "correct fl_x, fl_y, cx, cy");
         return camera;
     }
 
     Distortion distortion() const {
-        const std::string model = root_.value("camera_model", frame_.value("camera_model", std::string("OPENCV")));
+        const std::string model = frame_.value("camera_model", root_.value("camera_model", std::string("OPENCV")));
         if (model != "OPENCV" && model != "PINHOLE" && model != "SIMPLE_PINHOLE")
             throw Failure("camera model " + model + " is not supported", where_, "undistort the pictures to a pinhole first");
-        const auto number = [&](const char* key) { return findNumber(frame_, root_, key).value_or(0.0); };
+        const auto number = [&](const char* key) { return findNumber(key).value_or(0.0); };
         return {number("k1"), number("k2"), number("p1"), number("p2"), number("k3")};
     }
 

@@ -144,6 +144,15 @@ Intrinsics findIntrinsics(const std::filesystem::path& folder, std::vector<std::
     return {525.0, 525.0, 319.5, 239.5, {}};
 }
 
+/// Empty if the picture cannot be read.
+cv::Size sizeOf(const std::filesystem::path& picture) {
+    try {
+        return cv::imread(picture.string(), cv::IMREAD_COLOR | cv::IMREAD_IGNORE_ORIENTATION).size();
+    } catch (const cv::Exception&) { // larger than OpenCV reads
+        return {};
+    }
+}
+
 } // namespace
 
 void listTumRgbd(const std::filesystem::path& folder, Capture& capture) {
@@ -162,10 +171,11 @@ void listTumRgbd(const std::filesystem::path& folder, Capture& capture) {
         photo.colourPath = folder / colour.path;
         photo.depthPath = folder / depth->path;
         photo.name = photo.colourPath.stem().string();
-        if (size.empty()) size = cv::imread(photo.colourPath.string(), cv::IMREAD_COLOR).size();
+        if (size.empty()) size = sizeOf(photo.colourPath);
         if (size.empty()) throw Failure("first picture cannot be read", photo.colourPath, "check the paths in rgb.txt");
         // The benchmark counts the centre of the first pixel at 0, we at 1/2.
         photo.camera = {size.width, size.height, intrinsics.fx, intrinsics.fy, intrinsics.cx + 0.5, intrinsics.cy + 0.5};
+        if (!isUsable(photo.camera)) throw Failure("has a focal length that is not positive", folder / "intrinsics.txt", "write: fx fy cx cy");
         photo.distortion = intrinsics.distortion;
         photo.worldFromCamera = *pose;
         photo.depthUnitMetres = kDepthUnit;

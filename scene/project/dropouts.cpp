@@ -40,14 +40,22 @@ struct PlaneSums {
     }
 };
 
-/// Whether members lie on opposite sides of the pixel, along x or along y: then it is between them.
+/// Whether the pixel lies between members: within their convex hull. Their directions are gathered into a cone from first to
+/// last, counter-clockwise and narrower than half a turn; a member in the opposite cone closes the hull about the pixel.
 bool isSurrounded(const std::vector<Neighbour>& members) {
-    bool left = false, right = false, above = false, below = false;
+    const auto cross = [](const Neighbour& a, const Neighbour& b) { return a.dx * b.dy - a.dy * b.dx; };
+    const auto dot = [](const Neighbour& a, const Neighbour& b) { return a.dx * b.dx + a.dy * b.dy; };
+    Neighbour first = members.front(), last = first;
     for (const Neighbour& n : members) {
-        left |= n.dx < 0 && std::abs(n.dy) <= -n.dx, right |= n.dx > 0 && std::abs(n.dy) <= n.dx;
-        above |= n.dy < 0 && std::abs(n.dx) <= -n.dy, below |= n.dy > 0 && std::abs(n.dx) <= n.dy;
+        const int fromFirst = cross(first, n), fromLast = cross(last, n);
+        if (fromFirst > 0 && fromLast > 0)
+            last = n;
+        else if (fromFirst < 0 && fromLast < 0)
+            first = n;
+        else if (fromFirst <= 0 && fromLast >= 0 && (dot(first, n) < 0 || dot(last, n) < 0))
+            return true;
     }
-    return (left && right) || (above && below);
+    return false;
 }
 
 /// The run of samples of like disparity with the greatest weight; neighbours must be sorted by disparity.
@@ -93,9 +101,9 @@ std::int64_t fillDropouts(DepthImage& image, const DropoutOptions& options) {
             if (std::ssize(members) < options.minSamples || !isSurrounded(members)) continue;
             PlaneSums plane;
             for (const Neighbour& n : members) plane.add(n);
-            const double disparity = plane.atCentre();
-            filled(x, y) = static_cast<float>(std::clamp(disparity, static_cast<double>(members.front().disparity),
-                                                         static_cast<double>(members.back().disparity)));
+            // On a plane the pixel may stand out from all members a little, as at the image's rim; noise gets no farther.
+            const double least = members.front().disparity, most = members.back().disparity;
+            filled(x, y) = static_cast<float>(std::clamp(plane.atCentre(), least - (most - least), most + (most - least)));
         }
     });
     std::int64_t count = 0;

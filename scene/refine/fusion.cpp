@@ -72,12 +72,12 @@ DepthImage fuse(ImageStore& images, std::size_t index, const std::vector<Partner
             const Comparison comparison = compareWith(partner, at, options.comparison);
             if (comparison.relation != Relation::agrees || !comparison.isSmooth) return;
 
-            const glm::vec3 point = glm::vec3(rayThrough(camera, px, py)) / d;
-            const glm::vec3 fromPartner = point - partnerInCamera;
-            const float cosine = glm::dot(glm::normalize(point), glm::normalize(fromPartner));
+            // To the point, from here and from the partner; both times disparity, so that the sky needs no special case.
+            const glm::vec3 fromHere(rayThrough(camera, px, py)), fromPartner = fromHere - d * partnerInCamera;
+            const float cosine = glm::dot(glm::normalize(fromHere), glm::normalize(fromPartner));
             const float angleSquared = 2 * (1 - std::min(cosine, 1.f));
             // Samples taken from nearer are sharper and their range is surer.
-            const float nearness = std::min(1.f, glm::dot(point, point) / glm::dot(fromPartner, fromPartner));
+            const float nearness = std::min(1.f, glm::dot(fromHere, fromHere) / glm::dot(fromPartner, fromPartner));
             const float confidence = nearness * std::exp(-angleSquared * perAngle);
 
             Mean& mean = means(x, y);

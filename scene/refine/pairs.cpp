@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <glm/common.hpp>
 #include <numeric>
+
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
 
 #include <tbb/parallel_for.h>
 
@@ -17,6 +19,8 @@ namespace {
 constexpr int kOutlineColumns = 24, kOutlineRows = 18;
 /// The outlines are coarse: surfaces within this relative difference of disparity may well be the same.
 constexpr float kRoughlySame = 0.3f;
+/// Bounds are drawn wider by this share of the range: a wall along an axis has none of its own, and registration is off.
+constexpr double kSlack = 0.02;
 
 struct WorldBox {
     glm::dvec3 lowest{std::numeric_limits<double>::max()}, highest{std::numeric_limits<double>::lowest()};
@@ -42,9 +46,10 @@ WorldBox boundsOf(const ImageOutline& outline) {
             if (d <= 0) continue;
             const glm::dvec3 ray = rayThrough(outline.camera, sampleColumn(outline, column) + 0.5, sampleRow(outline, row) + 0.5);
             const glm::dvec3 p = outline.worldFromCamera * (ray / static_cast<double>(d));
+            const double slack = kSlack * glm::length(ray) / static_cast<double>(d);
             for (int axis = 0; axis < 3; ++axis) {
-                box.lowest[axis] = std::min(box.lowest[axis], p[axis]);
-                box.highest[axis] = std::max(box.highest[axis], p[axis]);
+                box.lowest[axis] = std::min(box.lowest[axis], p[axis] - slack);
+                box.highest[axis] = std::max(box.highest[axis], p[axis] + slack);
             }
         }
     return box;

@@ -164,7 +164,10 @@ std::vector<Image<Keep>> findKept(ImageStore& images, const std::vector<std::vec
 
     const std::vector<std::uint32_t> imageRank = rankImages(partners);
     const double step = std::log(std::max(static_cast<double>(options.preference), 1.001));
-    const auto classOf = [&](const RankedTile& tile) { return static_cast<int>(std::floor(std::log(tile.quality) / step)); };
+    // The sky has no density: it comes last.
+    const auto classOf = [&](const RankedTile& tile) {
+        return tile.quality > 0 ? static_cast<int>(std::floor(std::log(tile.quality) / step)) : std::numeric_limits<int>::min();
+    };
     std::stable_sort(ranked.begin(), ranked.end(), [&](const RankedTile& a, const RankedTile& b) {
         const int classA = classOf(a), classB = classOf(b);
         return classA != classB ? classA > classB : imageRank[a.image] < imageRank[b.image];

@@ -45,20 +45,34 @@ void forTrianglesOfRow(const DepthImage& image, int y, Visit visit) {
     }
 }
 
-/// Whether the partner saw farther than the triangle at its middle or the middle of an edge. Disparity is affine over the
-/// triangle, so a mean of corners is a point of it.
+/// A long skin may cross many pixels of the partner, which saw through few of them: so many pixels from probe to probe.
+constexpr float kProbeSpacing = 2;
+constexpr int kMostProbes = 64; ///< along an edge
+
+/// Whether the partner saw farther than the triangle, at its middle or along an edge. Disparity is affine over the triangle, so
+/// a mean of corners is a point of it.
 bool sawThrough(const DepthImage& partner, const Reprojection& into, const DepthImage& image, int x, int y,
                 const Corners& corners, const ComparisonOptions& options) {
     std::array<glm::vec3, 3> p;
+    std::array<Sighting, 3> seen;
     for (std::size_t i = 0; i < 3; ++i) {
         const int cx = x + corners[i][0], cy = y + corners[i][1];
         p[i] = {static_cast<float>(cx) + 0.5f, static_cast<float>(cy) + 0.5f, image.disparity(cx, cy)};
+        seen[i] = sightingOf(into, p[i].x, p[i].y, p[i].z);
     }
-    const std::array<glm::vec3, 4> probes{(p[0] + p[1] + p[2]) / 3.f, (p[0] + p[1]) / 2.f, (p[1] + p[2]) / 2.f,
-                                          (p[2] + p[0]) / 2.f};
-    return std::any_of(probes.begin(), probes.end(), [&](const glm::vec3& probe) {
+    const auto isThrough = [&](const glm::vec3& probe) {
         return compareWith(partner, sightingOf(into, probe.x, probe.y, probe.z), options).relation == Relation::inFront;
-    });
+    };
+    if (isThrough((p[0] + p[1] + p[2]) / 3.f)) return true;
+    for (std::size_t i = 0; i < 3; ++i) {
+        const std::size_t j = (i + 1) % 3;
+        const float pixels = std::max(std::abs(seen[j].u - seen[i].u), std::abs(seen[j].v - seen[i].v));
+        const bool isBefore = seen[i].w > 0 && seen[j].w > 0; // else its length means nothing
+        const int steps = isBefore ? static_cast<int>(std::clamp(pixels / kProbeSpacing, 2.f, static_cast<float>(kMostProbes))) : kMostProbes;
+        for (int k = 1; k < steps; ++k)
+            if (isThrough(p[i] + (p[j] - p[i]) * (static_cast<float>(k) / static_cast<float>(steps)))) return true;
+    }
+    return false;
 }
 
 } // namespace

@@ -1,0 +1,23 @@
+# Tests of what stands between import and plan: the warp on the processor, comparing images, refine, dropouts.
+revisit_test(revisit_refine_tests LABELS unit LINKS scene scene_project scene_refine TBB::tbb
+    SOURCES
+        scene/density_test.cpp
+        scene/known_scenes.cpp
+        scene/preference_test.cpp
+        scene/project/dropouts_test.cpp
+        scene/refine/fusion_test.cpp
+        scene/refine/pairs_test.cpp
+        scene/refine/redundancy_test.cpp
+        scene/refine/skins_test.cpp
+        scene/reprojection_test.cpp
+        scene/warp_test.cpp)
+
+# What the build reads and keeps: its own depth images, and captures made of pictures.
+revisit_test(revisit_picture_tests LABELS unit
+    LINKS scene scene_import TIFF::TIFF PkgConfig::XXHASH nlohmann_json::nlohmann_json opencv_core opencv_imgcodecs
+    SOURCES
+        scene/depth_tiff_test.cpp
+        scene/image_store_test.cpp
+        scene/import/photo_test.cpp
+        scene/import/transforms_json_test.cpp
+        scene/import/tum_rgbd_test.cpp)

@@ -1,0 +1,157 @@
+#include "scene/image_store.h"
+
+#include "scene/depth_tiff.h"
+#include "scene/errors.h"
+#include "tests/scene/random_poses.h"
+#include "tests/scene/scratch_folder.h"
+
+#include <atomic>
+#include <optional>
+#include <thread>
+
+#include <gtest/gtest.h>
+
+namespace scene {
+namespace {
+
+const Camera kCamera{16, 12, 10, 10, 8, 6};
+
+/// An image that is told by its colour.
+DepthImage imageNumber(int number, const Camera& camera = kCamera) {
+    return {std::to_string(number),
+            camera,
+            {},
+            Image<Rgb8>(camera.width, camera.height, {static_cast<std::uint8_t>(number), 0, 0}),
+            Image<float>(camera.width, camera.height, 0.5f),
+            Image<std::uint8_t>(camera.width, camera.height, 0)};
+}
+
+class StoredImages : public testing::Test {
+  protected:
+    std::vector<StoredImage> store(int count) {
+        std::vector<StoredImage> stored;
+        for (int i = 0; i < count; ++i) {
+            stored.push_back({std::to_string(i), kCamera, {}, folder_ / (std::to_string(i) + ".tiff"), {}});
+            writeDepthTiff(imageNumber(i), stored.back().file);
+        }
+        return stored;
+    }
+
+    ScratchFolder folder_;
+};
+
+TEST_F(StoredImages, StayWithinTheBudgetAndAreDroppedLeastRecentlyUsedFirst) {
+    ImageStore images(store(6), 3 * bytesOf(kCamera));
+    EXPECT_EQ(images.residentBytes(), 0u);
+    for (const std::size_t i : {0, 1, 2, 0, 3, 4, 5, 0})
+        EXPECT_EQ(images.borrow(i)->colour(0, 0).r, i);
+    EXPECT_EQ(images.peakBytes(), 3 * bytesOf(kCamera));
+    EXPECT_EQ(images.residentBytes(), 3 * bytesOf(kCamera));
+    // 4, 5 and 0 are here: they need no files any more, the others do.
+    for (int i = 0; i < 6; ++i)
+        std::filesystem::remove(folder_ / (std::to_string(i) + ".tiff"));
+    for (const std::size_t i : {4, 5, 0})
+        EXPECT_EQ(images.borrow(i)->colour(0, 0).r, i);
+    EXPECT_THROW(images.borrow(3), Failure);
+}
+
+TEST_F(StoredImages, ThatAreHeldAreNeverDropped) {
+    ImageStore images(store(4), bytesOf(kCamera));
+    const ImageStore::Lease first = images.borrow(0);
+    {
+        const ImageStore::Lease second = images.borrow(1), again = images.borrow(0);
+        EXPECT_EQ(&*again, &*first) << "one image, lent twice";
+        for (const std::size_t i : {2, 3, 2, 3})
+            EXPECT_EQ(images.borrow(i)->colour(0, 0).r, i);
+        EXPECT_EQ(first->colour(0, 0).r, 0);
+        EXPECT_EQ(second->colour(0, 0).r, 1);
+    }
+    EXPECT_EQ(images.peakBytes(), 3 * bytesOf(kCamera)) << "two are held beyond the budget, one is read";
+    images.borrow(2);
+    EXPECT_EQ(images.residentBytes(), 2 * bytesOf(kCamera));
+    EXPECT_EQ(first->colour(0, 0).r, 0);
+}
+
+TEST_F(StoredImages, AreLentToManyThreads) {
+    constexpr int kThreads = 4, kImages = 7, kTimes = 150;
+    ImageStore images(store(kImages), kThreads * bytesOf(kCamera));
+    std::atomic<int> wrong = 0;
+    std::vector<std::thread> threads;
+    for (int t = 0; t < kThreads; ++t)
+        threads.emplace_back([&, t] {
+            RandomPlaces random(static_cast<unsigned>(t));
+            for (int i = 0; i < kTimes; ++i) {
+                const auto index = static_cast<std::size_t>(random.integerBetween(0, kImages - 1));
+                const ImageStore::Lease lease = images.borrow(index);
+                for (const Rgb8& c : lease->colour.pixels())
+                    wrong += c.r != index;
+                wrong += images.residentBytes() > kThreads * bytesOf(kCamera);
+            }
+        });
+    for (std::thread& thread : threads)
+        thread.join();
+    EXPECT_EQ(wrong, 0);
+    EXPECT_LE(images.peakBytes(), kThreads * bytesOf(kCamera));
+}
+
+TEST_F(StoredImages, WithADamagedFileThrowAndCanBeAskedForAgain) {
+    std::vector<StoredImage> stored = store(2);
+    const auto path = stored[1].file;
+    const std::string whole = bytesOfFile(path);
+    writeFile(path, whole.substr(0, whole.size() / 2));
+    ImageStore images(std::move(stored), 10 * bytesOf(kCamera));
+    std::atomic<int> failures = 0;
+    std::vector<std::thread> threads;
+    for (int t = 0; t < 4; ++t)
+        threads.emplace_back([&] {
+            const std::string message = failureOf<Failure>([&] { images.borrow(1); });
+            failures += message.find(path.string()) != std::string::npos;
+        });
+    for (std::thread& thread : threads)
+        thread.join();
+    EXPECT_EQ(failures, 4) << "everyone who asks is told";
+    EXPECT_EQ(images.residentBytes(), 0u);
+    EXPECT_EQ(images.borrow(0)->colour(0, 0).r, 0) << "the others are there";
+    writeFile(path, whole);
+    EXPECT_EQ(images.borrow(1)->colour(0, 0).r, 1) << "repaired, it is read";
+    EXPECT_EQ(images.residentBytes(), 2 * bytesOf(kCamera));
+}
+
+TEST_F(StoredImages, OfAnotherSizeThanListedAreRefused) {
+    std::vector<StoredImage> stored = store(1);
+    writeDepthTiff(imageNumber(0, {16, 11, 10, 10, 8, 6}), stored[0].file);
+    ImageStore images(stored, 10 * bytesOf(kCamera));
+    const std::string message = failureOf<Failure>([&] { images.borrow(0); });
+    EXPECT_NE(message.find(stored[0].file.string()), std::string::npos) << message;
+    EXPECT_EQ(images.residentBytes(), 0u);
+}
+
+TEST_F(StoredImages, TakeTheirFlagsFromTheFlagsFile) {
+    std::vector<StoredImage> stored = store(1);
+    stored[0].flagsFile = folder_ / "flags.tiff";
+    writeFlagsTiff(Image<std::uint8_t>(16, 12, kSkinUpper), stored[0].flagsFile);
+    ImageStore images(stored, bytesOf(kCamera));
+    EXPECT_EQ(images.borrow(0)->flags(3, 4), kSkinUpper);
+    stored[0].flagsFile = folder_ / "none.tiff";
+    ImageStore without(stored, bytesOf(kCamera));
+    EXPECT_THROW(without.borrow(0), Failure);
+}
+
+TEST(GivenImages, AreLentAsTheyAre) {
+    std::vector<DepthImage> given;
+    for (int i = 0; i < 3; ++i)
+        given.push_back(imageNumber(i));
+    ImageStore images(std::move(given));
+    EXPECT_EQ(images.size(), 3u);
+    EXPECT_EQ(images.at(2).name, "2");
+    EXPECT_EQ(images.borrow(1)->colour(0, 0).r, 1);
+    EXPECT_EQ(images.residentBytes(), 3 * bytesOf(kCamera));
+    // A lease that was moved from gives nothing back.
+    std::optional<ImageStore::Lease> lease(images.borrow(0));
+    const ImageStore::Lease taken(std::move(*lease));
+    lease.reset();
+    EXPECT_EQ(taken->colour(0, 0).r, 0);
+}
+
+} // namespace
+} // namespace scene

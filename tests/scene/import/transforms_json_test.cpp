@@ -1,0 +1,261 @@
+#include "scene/import/transforms_json.h"
+
+#include "scene/errors.h"
+#include "scene/import/importer.h"
+#include "tests/scene/random_poses.h"
+#include "tests/scene/scratch_folder.h"
+
+#include <cmath>
+
+#include <glm/geometric.hpp>
+
+#include <nlohmann/json.hpp>
+
+namespace scene {
+namespace {
+
+using nlohmann::json;
+
+json matrixOf(const glm::dmat4& m) {
+    json rows = json::array();
+    for (int row = 0; row < 4; ++row)
+        rows.push_back({m[0][row], m[1][row], m[2][row], m[3][row]});
+    return rows;
+}
+
+json frameNamed(const std::string& name) {
+    return {{"file_path", "images/" + name + ".png"},
+            {"depth_file_path", "depth/" + name + ".png"},
+            {"transform_matrix", matrixOf(glm::dmat4(1.0))}};
+}
+
+json manifestOf(std::vector<json> frames) {
+    return {{"w", 64},
+            {"h", 48},
+            {"fl_x", 50.0},
+            {"fl_y", 51.0},
+            {"cx", 31.0},
+            {"cy", 25.0},
+            {"frames", std::move(frames)}};
+}
+
+class TransformsJson : public testing::Test {
+  protected:
+    Capture list(const std::string& text) {
+        writeFile(manifest_, text);
+        Capture capture;
+        listTransformsJson(manifest_, capture);
+        return capture;
+    }
+    Capture list(const json& root) { return list(root.dump()); }
+    void expectRefused(const json& root, const std::string& words) {
+        const std::string message = failureOf<Failure>([&] { list(root); });
+        EXPECT_EQ(message.find(manifest_.string()), 0u) << "'" << message << "' for " << root.dump();
+        EXPECT_NE(message.find(words), std::string::npos) << "'" << message << "' does not say '" << words << "'";
+    }
+
+    ScratchFolder folder_;
+    std::filesystem::path manifest_ = folder_ / "transforms.json";
+};
+
+TEST_F(TransformsJson, GivesCameraPoseAndFiles) {
+    json root = manifestOf({frameNamed("a"), frameNamed("b")});
+    root["k1"] = 0.1, root["p2"] = -0.2, root["depth_unit_scale_factor"] = 0.002;
+    // The camera of frame b stands at (1, 2, 3), looks along +x of the world, and its up is +z.
+    glm::dmat4 worldFromGl(0.0);
+    worldFromGl[0] = {0, -1, 0, 0}, worldFromGl[1] = {0, 0, 1, 0}, worldFromGl[2] = {-1, 0, 0, 0},
+    worldFromGl[3] = {1, 2, 3, 1};
+    root["frames"][1]["transform_matrix"] = matrixOf(worldFromGl);
+    const Capture capture = list(root);
+    ASSERT_EQ(capture.photos.size(), 2u);
+    const PhotoSource& b = capture.photos[1];
+    EXPECT_EQ(b.name, "b");
+    EXPECT_EQ(b.colourPath, folder_ / "images/b.png");
+    EXPECT_EQ(b.depthPath, folder_ / "depth/b.png");
+    EXPECT_EQ(b.camera, (Camera{64, 48, 50, 51, 31, 25}));
+    EXPECT_EQ(b.distortion, (Distortion{0.1, 0, 0, -0.2, 0}));
+    EXPECT_EQ(b.depthUnitMetres, 0.002);
+    EXPECT_LT(glm::distance(b.worldFromCamera * glm::dvec3(0, 0, 5), glm::dvec3(6, 2, 3)), 1e-12) << "looks along +x";
+    EXPECT_LT(glm::distance(b.worldFromCamera * glm::dvec3(0, 1, 0), glm::dvec3(1, 2, 2)), 1e-12) << "down is -z";
+    EXPECT_LT(glm::distance(b.worldFromCamera * glm::dvec3(1, 0, 0), glm::dvec3(1, 1, 3)), 1e-12) << "right is -y";
+    EXPECT_EQ(list(manifestOf({frameNamed("a")})).photos[0].depthUnitMetres, 0.001)
+        << "millimetres unless told otherwise";
+}
+
+TEST_F(TransformsJson, FramesMayHaveTheirOwnIntrinsics) {
+    json root = manifestOf({frameNamed("a"), frameNamed("b"), frameNamed("c")});
+    root["frames"][1].update({{"w", 32}, {"h", 24}, {"fl_x", 25.0}, {"cx", 16.5}, {"k2", 0.3}});
+    root["frames"][2].update({{"fl_x", nullptr}, {"camera_model", "PINHOLE"}});
+    const Capture capture = list(root);
+    EXPECT_EQ(capture.photos[0].camera, (Camera{64, 48, 50, 51, 31, 25}));
+    EXPECT_EQ(capture.photos[1].camera, (Camera{32, 24, 25, 51, 16.5, 25}));
+    EXPECT_EQ(capture.photos[1].distortion, (Distortion{0, 0.3, 0, 0, 0}));
+    EXPECT_EQ(capture.photos[2].camera.fx, 50);
+
+    json angle = manifestOf({frameNamed("a")});
+    for (const char* key : {"fl_x", "fl_y", "cx", "cy"})
+        angle.erase(key);
+    angle["camera_angle_x"] = 2 * std::atan(0.5);
+    const Camera camera = list(angle).photos[0].camera;
+    EXPECT_NEAR(camera.fx, 64, 1e-9);
+    EXPECT_NEAR(camera.fy, 64, 1e-9);
+    EXPECT_EQ(camera.cx, 32);
+    EXPECT_EQ(camera.cy, 24);
+}
+
+TEST_F(TransformsJson, WhatAFrameLacksIsNamed) {
+    for (const char* key : {"file_path", "depth_file_path", "transform_matrix"}) {
+        json root = manifestOf({frameNamed("a"), frameNamed("b")});
+        root["frames"][1].erase(key);
+        expectRefused(root, key);
+        expectRefused(root, "frame 1");
+        root["frames"][1][key] = 7;
+        expectRefused(root, key);
+    }
+    for (const char* key : {"w", "h", "fl_x"}) {
+        json root = manifestOf({frameNamed("a")});
+        root.erase(key);
+        expectRefused(root, key);
+    }
+    expectRefused(manifestOf({}), "lists no frames");
+    expectRefused(manifestOf({json(3)}), "not an object");
+    for (const json& root :
+         {json(3), json::array(), json::object(), json(nullptr), json{{"frames", 3}}, json{{"frames", json::object()}}})
+        expectRefused(root, "lists no frames");
+}
+
+TEST_F(TransformsJson, NumbersThatAreNoneAreNotPassedOver) {
+    const auto refuseWith = [&](const char* key, const json& value, const std::string& words) {
+        json root = manifestOf({frameNamed("a")});
+        root[key] = value;
+        expectRefused(root, words);
+    };
+    for (const double side : {0.0, -1.0, 65537.0, 1e18, 1e300})
+        refuseWith("w", side, "not between 1 and 65536"), refuseWith("h", side, "not between 1 and 65536");
+    refuseWith("fl_x", 0.0, "not usable");
+    refuseWith("fl_y", -3.0, "not usable");
+    refuseWith("k1", "0.1", "k1 is not a number");
+    refuseWith("cx", json::array(), "cx is not a number");
+    refuseWith("depth_unit_scale_factor", 0.0, "depth_unit_scale_factor");
+    refuseWith("camera_model", 5, "wrong kind");
+    refuseWith("camera_model", "OPENCV_FISHEYE", "OPENCV_FISHEYE is not supported");
+    // A frame's own model counts, as its own numbers do.
+    json root = manifestOf({frameNamed("a")});
+    root["camera_model"] = "OPENCV", root["frames"][0]["camera_model"] = "OPENCV_FISHEYE";
+    expectRefused(root, "OPENCV_FISHEYE is not supported");
+    const std::string text = manifestOf({frameNamed("a")}).dump();
+    for (const char* number : {"NaN", "1e999", "-1e999", "Infinity"}) {
+        std::string bad = text;
+        bad.replace(bad.find("50.0"), 4, number);
+        const std::string message = failureOf<Failure>([&] { list(bad); });
+        EXPECT_EQ(message.find(manifest_.string()), 0u) << number << ": '" << message << "'";
+    }
+}
+
+TEST_F(TransformsJson, PosesThatAreNotRigidAreRefused) {
+    const auto refuse = [&](const json& matrix, const char* what) {
+        SCOPED_TRACE(what);
+        json root = manifestOf({frameNamed("a")});
+        root["frames"][0]["transform_matrix"] = matrix;
+        expectRefused(root, "frame 0: transform_matrix is not a rigid 4x4 pose");
+    };
+    glm::dmat4 m(1.0);
+    m[0][0] = -1;
+    refuse(matrixOf(m), "mirrored");
+    refuse(matrixOf(glm::dmat4(2.0)), "scaled, last row too");
+    m = glm::dmat4(1.0), m[1][1] = 1.01;
+    refuse(matrixOf(m), "stretched");
+    m = glm::dmat4(1.0), m[1][0] = 0.01;
+    refuse(matrixOf(m), "sheared");
+    refuse(matrixOf(glm::dmat4(0.0)), "zero");
+    m = glm::dmat4(1.0), m[0][3] = 0.1;
+    refuse(matrixOf(m), "projective");
+    json text = matrixOf(glm::dmat4(1.0));
+    text[1][1] = "NaN";
+    refuse(text, "text for a number");
+    text[1][1] = nullptr;
+    refuse(text, "NaN as JSON writers put it");
+    json three = matrixOf(glm::dmat4(1.0));
+    three.erase(3);
+    refuse(three, "three rows");
+    json narrow = matrixOf(glm::dmat4(1.0));
+    narrow[2].erase(3);
+    refuse(narrow, "three columns");
+    refuse(json::array({1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}), "sixteen numbers in a row");
+    // Rounded to four digits is rigid enough, and made exactly so.
+    RandomPlaces random(1);
+    for (int i = 0; i < 50; ++i) {
+        const Pose truth = random.pose(1);
+        glm::dmat4 rounded = toMatrix(truth);
+        for (int column = 0; column < 3; ++column)
+            for (int row = 0; row < 3; ++row)
+                rounded[column][row] = std::round(rounded[column][row] * 1e4) / 1e4;
+        json root = manifestOf({frameNamed("a")});
+        root["frames"][0]["transform_matrix"] = matrixOf(rounded);
+        const glm::dmat3 r = list(root).photos[0].worldFromCamera.rotation;
+        const glm::dmat3 gram = glm::transpose(r) * r;
+        for (int column = 0; column < 3; ++column)
+            EXPECT_LT(glm::distance(gram[column], glm::dmat3(1.0)[column]), 1e-12);
+    }
+}
+
+TEST_F(TransformsJson, CutAnywhereIsAFailure) {
+    const std::string whole = manifestOf({frameNamed("a"), frameNamed("b")}).dump(1);
+    for (std::size_t length = 0; length < whole.size(); length += 3) {
+        const std::string message = failureOf<Failure>([&] { list(whole.substr(0, length)); });
+        EXPECT_EQ(message.find(manifest_.string()), 0u) << "cut at " << length << ": '" << message << "'";
+    }
+    EXPECT_EQ(list(whole).photos.size(), 2u);
+    EXPECT_NE(failureOf<Failure>([&] { list(std::string(100000, '[')); }), "");
+    std::filesystem::remove(manifest_);
+    Capture capture;
+    EXPECT_EQ(failureOf<Failure>([&] { listTransformsJson(manifest_, capture); }).find(manifest_.string()), 0u)
+        << "is not there";
+    std::filesystem::create_directory(manifest_);
+    EXPECT_EQ(failureOf<Failure>([&] { listTransformsJson(manifest_, capture); }).find(manifest_.string()), 0u)
+        << "is a folder";
+}
+
+TEST_F(TransformsJson, NamesOfACaptureAreUniqueFileNames) {
+    const std::string umlauts = std::string(99, 'a') + "\xc3\xa4\xc3\xa4"; // the 100th byte is half a character
+    writeFile(manifest_, manifestOf({frameNamed("x/1"), frameNamed("y/1"), frameNamed("1-2"), frameNamed("a b:c"),
+                                     frameNamed(".hidden"), frameNamed(umlauts), frameNamed("\xe6\x97\xa5")})
+                             .dump());
+    const std::filesystem::path inputs[] = {folder_.path()};
+    std::vector<std::string> names;
+    for (const PhotoSource& photo : openCapture(inputs).photos)
+        names.push_back(photo.name);
+    EXPECT_EQ(names, (std::vector<std::string>{"1", "1-2", "1-2-2", "a-b-c", "item.hidden", std::string(99, 'a'),
+                                               "\xe6\x97\xa5"}));
+    for (const std::string& name : names)
+        EXPECT_NO_THROW(json(name).dump()) << "not UTF-8: " << name;
+}
+
+TEST_F(TransformsJson, HoldOutRulesChooseByCountOrByName) {
+    std::vector<json> frames;
+    for (int i = 0; i < 10; ++i)
+        frames.push_back(frameNamed("frame" + std::to_string(i)));
+    const Capture capture = list(manifestOf(frames));
+    using Indices = std::vector<std::size_t>;
+    EXPECT_EQ(findHeldOut(capture, ""), Indices{});
+    EXPECT_EQ(findHeldOut(capture, "every:4"), (Indices{0, 4, 8}));
+    EXPECT_EQ(findHeldOut(capture, "every:4:3"), (Indices{3, 7}));
+    EXPECT_EQ(findHeldOut(capture, "every:1:0").size(), 10u);
+    EXPECT_EQ(findHeldOut(capture, "every:5:10"), Indices{});
+    EXPECT_EQ(findHeldOut(capture, "every:2147483647:9"), Indices{9});
+    for (const char* rule : {"every:", "every:0", "every:0:3", "every:x", "every:-2", "every:3:", "every:3:x",
+                             "every:3:-1", "every:3:1:1", "every:99999999999"})
+        EXPECT_NE(failureOf<Failure>([&] { findHeldOut(capture, rule); }).find(rule), std::string::npos) << rule;
+    const std::string names = (folder_ / "names.txt").string();
+    writeFile(names, "frame7\r\n\nframe2  \nframe7\n");
+    EXPECT_EQ(findHeldOut(capture, names), (Indices{2, 7}));
+    writeFile(names, "frame7\nframe11\n");
+    const std::string message = failureOf<Failure>([&] { findHeldOut(capture, names); });
+    EXPECT_NE(message.find(names + ", line 2"), std::string::npos) << message;
+    EXPECT_NE(message.find("frame11"), std::string::npos) << message;
+    for (const std::string& rule : {folder_.path().string(), names + ".gone"})
+        EXPECT_NE(failureOf<Failure>([&] { findHeldOut(capture, rule); }).find(rule), std::string::npos) << rule;
+}
+
+} // namespace
+} // namespace scene

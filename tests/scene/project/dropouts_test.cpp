@@ -1,0 +1,125 @@
+#include "scene/project/dropouts.h"
+
+#include "tests/scene/known_scenes.h"
+#include "tests/scene/random_poses.h"
+
+#include <cmath>
+
+#include <glm/geometric.hpp>
+#include <gtest/gtest.h>
+
+namespace scene {
+namespace {
+
+/// Takes away all samples but a share, drawn at random.
+void thinOut(DepthImage& image, double share, unsigned seed) {
+    RandomPlaces random(seed);
+    for (int y = 0; y < image.camera.height; ++y)
+        for (int x = 0; x < image.camera.width; ++x)
+            if (random.between(0, 1) > share) image.flags(x, y) = kNoSurface, image.disparity(x, y) = 0;
+}
+
+/// Whether three samples or more are within 3 pixels, and not on one side: no straight line parts the pixel from all of
+/// them.
+bool isBetweenSamples(const DepthImage& image, int x, int y) {
+    int samples = 0;
+    for (int v = std::max(y - 3, 0); v <= std::min(y + 3, image.camera.height - 1); ++v)
+        for (int u = std::max(x - 3, 0); u <= std::min(x + 3, image.camera.width - 1); ++u)
+            samples += (image.flags(u, v) & kNoSurface) == 0;
+    if (samples < 3) return false;
+    for (int i = 0; i < 1440; ++i) {
+        const double angle = (i + 0.37) * 6.283185307179586 / 1440, c = std::cos(angle), s = std::sin(angle);
+        bool isParted = true;
+        for (int v = std::max(y - 3, 0); v <= std::min(y + 3, image.camera.height - 1); ++v)
+            for (int u = std::max(x - 3, 0); u <= std::min(x + 3, image.camera.width - 1); ++u)
+                if ((image.flags(u, v) & kNoSurface) == 0 && c * (u - x) + s * (v - y) > 0) isParted = false;
+        if (isParted) return false;
+    }
+    return true;
+}
+
+TEST(Dropouts, OfAPlaneAreRestored) {
+    const Camera camera = smallCamera();
+    const glm::dvec3 normal = glm::normalize(glm::dvec3(0.4, -0.3, 1));
+    const auto truth = [&](double x, double y) { return planeDisparity(camera, normal, 2, x, y); };
+    DepthImage image = imageOf(camera, {}, truth);
+    thinOut(image, 0.34, 1);
+    const DepthImage sparse = image;
+    const std::int64_t filled = fillDropouts(image);
+    std::int64_t found = 0;
+    for (int y = 0; y < camera.height; ++y)
+        for (int x = 0; x < camera.width; ++x) {
+            if ((sparse.flags(x, y) & kNoSurface) == 0) {
+                ASSERT_EQ(image.disparity(x, y), sparse.disparity(x, y))
+                    << "a measured sample changed at " << x << ", " << y;
+                ASSERT_EQ(image.flags(x, y), 0) << "at " << x << ", " << y;
+            } else if (image.flags(x, y) == kInterpolated) {
+                ++found;
+                ASSERT_TRUE(isBetweenSamples(sparse, x, y)) << "extrapolated at " << x << ", " << y;
+                const double d = truth(x + 0.5, y + 0.5);
+                ASSERT_NEAR(image.disparity(x, y), d, 3e-7 * d) << "at " << x << ", " << y;
+            } else {
+                ASSERT_FALSE(isBetweenSamples(sparse, x, y))
+                    << "nothing at " << x << ", " << y << ", where samples stand all round";
+                ASSERT_EQ(image.flags(x, y), kNoSurface) << "at " << x << ", " << y;
+                ASSERT_EQ(image.disparity(x, y), 0) << "at " << x << ", " << y;
+            }
+        }
+    EXPECT_EQ(filled, found);
+}
+
+TEST(Dropouts, AreNotFilledAcrossSilhouettes) {
+    const Camera camera = smallCamera();
+    const auto isNear = [](double x, double y) { return std::hypot(x - 80, y - 60) < 30; };
+    const auto truth = [&](double x, double y) { return isNear(x, y) ? 0.8 : 0.4; };
+    DepthImage image = imageOf(camera, {}, truth);
+    thinOut(image, 0.34, 2);
+    fillDropouts(image);
+    int wrongSide = 0;
+    for (int y = 0; y < camera.height; ++y)
+        for (int x = 0; x < camera.width; ++x) {
+            if (image.flags(x, y) != kInterpolated) continue;
+            const float d = image.disparity(x, y);
+            ASSERT_TRUE(std::abs(d - 0.8f) < 1e-6f || std::abs(d - 0.4f) < 1e-6f)
+                << d << " at " << x << ", " << y << " is between the surfaces";
+            const double fromEdge = std::abs(std::hypot(x + 0.5 - 80, y + 0.5 - 60) - 30);
+            if (fromEdge > 3) {
+                ASSERT_NEAR(d, truth(x + 0.5, y + 0.5), 1e-6) << "at " << x << ", " << y;
+            }
+            wrongSide += std::abs(d - static_cast<float>(truth(x + 0.5, y + 0.5))) > 1e-6f;
+        }
+    EXPECT_LT(wrongSide, 60) << "the silhouette, 190 pixels long, has moved";
+}
+
+TEST(Dropouts, AreNotExtrapolated) {
+    const Camera camera = smallCamera();
+    DepthImage image = imageOf(camera, {}, [](double, double) { return 0.5; });
+    for (int y = 0; y < camera.height; ++y)
+        for (int x = 0; x < camera.width; ++x)
+            if (x >= 80 || (x >= 30 && x < 37 && y >= 40 && y < 47))
+                image.flags(x, y) = kNoSurface, image.disparity(x, y) = 0;
+    fillDropouts(image, {3, 0.03f, 3});
+    for (int y = 0; y < camera.height; ++y)
+        for (int x = 80; x < camera.width; ++x)
+            ASSERT_EQ(image.flags(x, y), kNoSurface) << "beyond the surface's end at " << x << ", " << y;
+    EXPECT_EQ(image.flags(33, 43), kNoSurface) << "the middle of a hole wider than the support";
+    EXPECT_EQ(image.flags(30, 40), kInterpolated) << "its corner";
+}
+
+TEST(Dropouts, NeedEnoughSamplesAndSurvivesEmptyAndTinyImages) {
+    DepthImage image = imageOf({20, 20, 20, 20, 10, 10}, {}, [](double, double) { return 0.5; });
+    for (auto& flags : image.flags.pixels())
+        flags = kNoSurface;
+    EXPECT_EQ(fillDropouts(image), 0);
+    for (const int x : {9, 11})
+        image.flags(x, 10) = 0;
+    EXPECT_EQ(fillDropouts(image, {3, 0.03f, 3}), 0) << "two samples are no surface";
+    EXPECT_EQ(fillDropouts(image, {3, 0.03f, 2}), 1);
+    EXPECT_EQ(image.flags(10, 10), kInterpolated);
+    DepthImage one = imageOf({1, 1, 1, 1, 0.5, 0.5}, {}, [](double, double) { return 0.5; });
+    one.flags(0, 0) = kNoSurface;
+    EXPECT_EQ(fillDropouts(one), 0);
+}
+
+} // namespace
+} // namespace scene

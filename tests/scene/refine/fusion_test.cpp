@@ -1,0 +1,190 @@
+#include "scene/refine/fusion.h"
+
+#include "tests/scene/known_scenes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <random>
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+namespace scene {
+namespace {
+
+constexpr double kSigma = 0.004; ///< relative noise of disparity
+constexpr double kColourSigma = 6;
+
+void addNoise(DepthImage& image, unsigned seed) {
+    std::mt19937 generator(seed);
+    std::normal_distribution<double> normal;
+    for (int y = 0; y < image.camera.height; ++y)
+        for (int x = 0; x < image.camera.width; ++x) {
+            image.disparity(x, y) *= static_cast<float>(1 + kSigma * normal(generator));
+            Rgb8& c = image.colour(x, y);
+            for (std::uint8_t* channel : {&c.r, &c.g, &c.b})
+                *channel = static_cast<std::uint8_t>(
+                    std::clamp(std::lround(*channel + kColourSigma * normal(generator)), 0l, 255l));
+        }
+}
+
+/// Images of the room from places a few decimetres apart.
+std::vector<DepthImage> nearbyImages(int count) {
+    std::vector<DepthImage> images;
+    for (int i = 0; i < count; ++i)
+        images.push_back(renderTruth(
+            bareRoom(), viewFrom({1.0 + 0.05 * (i % 3), 1.2 + 0.05 * (i / 3), 1.5 + 0.02 * i}, {4, 3, 1.1})));
+    return images;
+}
+
+std::vector<Partner> allBut(std::size_t count, std::size_t self) {
+    std::vector<Partner> partners;
+    for (std::uint32_t i = 0; i < count; ++i)
+        if (i != self) partners.push_back({i, 1.f});
+    return partners;
+}
+
+Image<Keep> keepAll() {
+    return {160, 120, Keep::base};
+}
+
+bool hasSameBytes(const DepthImage& a, const DepthImage& b) {
+    return a.colour == b.colour && a.flags == b.flags &&
+           std::memcmp(a.disparity.pixels().data(), b.disparity.pixels().data(), a.disparity.size() * sizeof(float)) ==
+               0;
+}
+
+/// Relative errors of disparity and errors of colour against the truth.
+struct Errors {
+    double bias = 0, deviation = 0, colourBias = 0, colourDeviation = 0;
+};
+Errors errorsOf(const DepthImage& image, const DepthImage& truth) {
+    Errors e;
+    double sum = 0, squares = 0, colourSum = 0, colourSquares = 0, count = 0;
+    for (int y = 0; y < 120; ++y)
+        for (int x = 0; x < 160; ++x, ++count) {
+            const double error =
+                static_cast<double>(image.disparity(x, y)) / static_cast<double>(truth.disparity(x, y)) - 1;
+            const double colourError = image.colour(x, y).g - truth.colour(x, y).g;
+            sum += error, squares += error * error, colourSum += colourError,
+                colourSquares += colourError * colourError;
+        }
+    e.bias = sum / count, e.deviation = std::sqrt(squares / count);
+    e.colourBias = colourSum / count, e.colourDeviation = std::sqrt(colourSquares / count);
+    return e;
+}
+
+TEST(Fusion, LowersNoiseWithoutBias) {
+    const std::vector<DepthImage> truth = nearbyImages(9);
+    std::vector<DepthImage> noisy = truth;
+    for (std::size_t i = 0; i < noisy.size(); ++i)
+        addNoise(noisy[i], static_cast<unsigned>(i) + 1);
+    const Errors before = errorsOf(noisy[4], truth[4]);
+    ImageStore store(noisy);
+    const Errors after = errorsOf(fuse(store, 4, allBut(9, 4), keepAll(), {}), truth[4]);
+    EXPECT_NEAR(before.deviation, kSigma, 0.1 * kSigma);
+    EXPECT_LT(after.deviation, 0.4 * before.deviation) << "nine images can give a third";
+    EXPECT_LT(after.colourDeviation, 0.4 * before.colourDeviation);
+    EXPECT_LT(std::abs(after.bias), 0.05 * kSigma);
+    EXPECT_LT(std::abs(after.colourBias), 0.2);
+}
+
+TEST(Fusion, OfTrueImagesStaysTrueAndDoesNotSmearSilhouettes) {
+    const std::vector<DepthImage> truth = nearbyImages(6);
+    ImageStore store(truth);
+    for (const std::size_t self : {std::size_t{0}, std::size_t{3}}) {
+        const DepthImage fused = fuse(store, self, allBut(6, self), keepAll(), {});
+        int off = 0;
+        for (int y = 0; y < 120; ++y)
+            for (int x = 0; x < 160; ++x) {
+                const float d = truth[self].disparity(x, y);
+                // The partners are bilinear between their samples; the sphere is curved.
+                ASSERT_NEAR(fused.disparity(x, y), d, 0.01f * d) << "image " << self << " at " << x << ", " << y;
+                off += std::abs(fused.disparity(x, y) - d) > 0.001f * d;
+            }
+        EXPECT_LT(off, 160 * 120 / 40) << "image " << self;
+    }
+}
+
+TEST(Fusion, OfASingleImageChangesNoBit) {
+    std::vector<DepthImage> images = nearbyImages(1);
+    addNoise(images[0], 1);
+    images[0].flags(3, 3) = kNoSurface, images[0].disparity(3, 3) = 0;
+    images[0].flags(5, 9) = kSkinUpper | kInterpolated;
+    const DepthImage original = images[0];
+    ImageStore store(std::move(images));
+    EXPECT_TRUE(hasSameBytes(fuse(store, 0, {}, keepAll(), {}), original));
+}
+
+TEST(Fusion, SaysWhatIsKeptAndTouchesOnlyWhatDrawingNeeds) {
+    std::vector<DepthImage> images = nearbyImages(3);
+    for (std::size_t i = 0; i < images.size(); ++i)
+        addNoise(images[i], static_cast<unsigned>(i) + 1);
+    for (int x = 0; x < 160; ++x)
+        images[0].flags(x, 7) = kSkinLower;
+    const DepthImage original = images[0];
+    Image<Keep> kept(160, 120, Keep::no);
+    for (int y = 40; y < 60; ++y)
+        for (int x = 50; x < 90; ++x)
+            kept(x, y) = x < 70 ? Keep::base : Keep::directional;
+    ImageStore store(std::move(images));
+    const DepthImage fused = fuse(store, 0, allBut(3, 0), kept, {});
+    int changed = 0;
+    for (int y = 0; y < 120; ++y)
+        for (int x = 0; x < 160; ++x) {
+            const int mark = kept(x, y) == Keep::base ? 0 : kept(x, y) == Keep::directional ? kDirectional : kRedundant;
+            ASSERT_EQ(fused.flags(x, y), original.flags(x, y) | mark) << "at " << x << ", " << y;
+            const bool isNeeded = x >= 49 && x <= 90 && y >= 39 && y <= 60;
+            const bool isChanged = fused.disparity(x, y) != original.disparity(x, y);
+            ASSERT_TRUE(isNeeded || !isChanged) << "at " << x << ", " << y;
+            ASSERT_TRUE(isNeeded || fused.colour(x, y) == original.colour(x, y)) << "at " << x << ", " << y;
+            changed += isChanged;
+        }
+    EXPECT_GT(changed, 600);
+    EXPECT_EQ(fused.name, original.name);
+    EXPECT_EQ(fused.camera, original.camera);
+}
+
+TEST(Fusion, TakesNoColourOfWhatLooksDifferent) {
+    const Camera camera = smallCamera();
+    std::vector<DepthImage> images;
+    for (int i = 0; i < 5; ++i)
+        images.push_back(imageOf(
+            camera, {glm::dmat3(1.0), {0.05 * i, 0, 0}}, [](double, double) { return 0.5; },
+            i == 0 ? Rgb8{100, 100, 100} : Rgb8{250, 100, 100}));
+    ImageStore store(std::move(images));
+    const DepthImage fused = fuse(store, 0, allBut(5, 0), keepAll(), {});
+    EXPECT_TRUE((fused.colour(90, 60) == Rgb8{100, 100, 100})) << "a gleam that others see stays theirs";
+}
+
+TEST(Fusion, KeepsTheSkyAtInfinity) {
+    std::vector<DepthImage> images;
+    for (int i = 0; i < 2; ++i)
+        images.push_back(imageOf(
+            smallCamera(), {glm::dmat3(1.0), {100.0 * i, 0, 0}}, [](double, double) { return 0.0; },
+            i == 0 ? Rgb8{100, 120, 200} : Rgb8{110, 120, 200}));
+    ImageStore store(std::move(images));
+    const DepthImage fused = fuse(store, 0, allBut(2, 0), keepAll(), {});
+    for (int y = 0; y < 120; ++y)
+        for (int x = 0; x < 160; ++x) {
+            ASSERT_EQ(fused.disparity(x, y), 0.f) << "at " << x << ", " << y;
+            ASSERT_TRUE((fused.colour(x, y).r >= 104 && fused.colour(x, y).r <= 105 && fused.colour(x, y).b == 200))
+                << "at " << x << ", " << y;
+        }
+}
+
+TEST(Fusion, GivesTheSameBytesOnOneThreadAndOnTwo) {
+    std::vector<DepthImage> images = nearbyImages(4);
+    for (std::size_t i = 0; i < images.size(); ++i)
+        addNoise(images[i], static_cast<unsigned>(i) + 1);
+    ImageStore store(std::move(images));
+    const auto fusedBy = [&](std::size_t threads) {
+        const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+        return fuse(store, 1, allBut(4, 1), keepAll(), {});
+    };
+    EXPECT_TRUE(hasSameBytes(fusedBy(1), fusedBy(2)));
+}
+
+} // namespace
+} // namespace scene

@@ -1,0 +1,206 @@
+#include "scene/refine/redundancy.h"
+
+#include "tests/scene/known_scenes.h"
+
+#include <algorithm>
+#include <limits>
+#include <string>
+
+#include <glm/geometric.hpp>
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+namespace scene {
+namespace {
+
+constexpr std::size_t kViews = 8;
+
+std::vector<std::vector<Partner>> partnersOf(ImageStore& store) {
+    std::vector<ImageOutline> outlines;
+    for (std::size_t i = 0; i < store.size(); ++i)
+        outlines.push_back(outlineOf(*store.borrow(i)));
+    return findPartners(outlines);
+}
+
+struct Result {
+    std::vector<Image<Keep>> kept;
+    RedundancyFigures figures;
+};
+
+RedundancyOptions optionsOf(float preference, float baselineShare, int tileSize = kDefaultTileSize) {
+    RedundancyOptions options;
+    options.preference = preference, options.baselineShare = baselineShare, options.tileSize = tileSize;
+    return options;
+}
+
+Result keepOf(ImageStore& store, const RedundancyOptions& options, std::size_t threads = 2) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    Result result;
+    result.kept = findKept(store, partnersOf(store), options, result.figures);
+    return result;
+}
+
+/// Calls visit(image, x, y) for each surface sample.
+template <class Visit>
+void forSamples(const std::vector<DepthImage>& images, Visit visit) {
+    for (std::size_t i = 0; i < images.size(); ++i)
+        for (int y = 0; y < images[i].camera.height; ++y)
+            for (int x = 0; x < images[i].camera.width; ++x)
+                if (isSurface(images[i].flags(x, y))) visit(i, x, y);
+}
+
+std::string at(std::size_t i, int x, int y) {
+    return "image " + std::to_string(i) + " at " + std::to_string(x) + ", " + std::to_string(y);
+}
+
+/// Whether an image keeps the surface that a sample of another one means, and where its camera stands.
+template <class IsKept>
+bool isHeldElsewhere(const std::vector<DepthImage>& images, std::size_t i, int x, int y,
+                     const ComparisonOptions& options, IsKept isKept) {
+    for (std::size_t j = 0; j < images.size(); ++j) {
+        if (j == i) continue;
+        const Sighting seen = sightingOf(reprojectionInto(images[j], images[i]), static_cast<float>(x) + 0.5f,
+                                         static_cast<float>(y) + 0.5f, images[i].disparity(x, y));
+        if (compareWith(images[j], seen, options).relation == Relation::agrees &&
+            isKept(j, static_cast<int>(seen.u), static_cast<int>(seen.v)))
+            return true;
+    }
+    return false;
+}
+
+/// The room with holes: some samples absent, some floating.
+std::vector<DepthImage> holedImages() {
+    std::vector<DepthImage> images = imagesOfBareRoom(kViews);
+    for (auto& image : images)
+        for (int y = 0; y < 120; ++y)
+            for (int x = 0; x < 160; ++x) {
+                if ((x / 9 + y / 7) % 11 == 0) image.flags(x, y) = kNoSurface;
+                if ((x * 7 + y * 3) % 53 == 0) image.flags(x, y) = kFloating;
+            }
+    return images;
+}
+
+TEST(Redundancy, DropsNothingThatNobodyElseKeeps) {
+    const std::vector<DepthImage> images = holedImages();
+    ImageStore store(images);
+    for (const RedundancyOptions& options : {RedundancyOptions{}, optionsOf(1.f, 0.f), optionsOf(100.f, 0.2f, 7)}) {
+        const auto [kept, figures] = keepOf(store, options);
+        std::int64_t samples = 0, base = 0, directional = 0;
+        forSamples(images, [&](std::size_t i, int x, int y) {
+            const Keep keep = kept[i](x, y);
+            ++samples;
+            base += keep == Keep::base;
+            directional += keep == Keep::directional;
+            if (keep == Keep::base) return;
+            ASSERT_TRUE(isHeldElsewhere(images, i, x, y, options.comparison,
+                                        [&](std::size_t j, int u, int v) { return kept[j](u, v) == Keep::base; }))
+                << at(i, x, y) << ": the base has a hole";
+        });
+        EXPECT_EQ(figures.samples, samples);
+        EXPECT_EQ(figures.base, base);
+        EXPECT_EQ(figures.directional, directional);
+        EXPECT_LT(base, samples * 7 / 10) << "hardly anything was redundant";
+        EXPECT_EQ(directional > 0, options.baselineShare > 0);
+        for (std::size_t i = 0; i < images.size(); ++i)
+            for (int y = 0; y < 120; ++y)
+                for (int x = 0; x < 160; ++x)
+                    if (!isSurface(images[i].flags(x, y))) {
+                        ASSERT_EQ(kept[i](x, y), Keep::no) << at(i, x, y) << " is no surface";
+                    }
+    }
+}
+
+TEST(Redundancy, ShowsEverySurfaceFromNearEveryCameraThatSawIt) {
+    const std::vector<DepthImage> images = imagesOfBareRoom(kViews);
+    ImageStore store(images);
+    RedundancyOptions options;
+    options.baselineShare = 0.8f;
+    const auto [kept, figures] = keepOf(store, options);
+    EXPECT_LT(figures.directional, figures.samples - figures.base) << "all that is not base is kept for its looks";
+    forSamples(images, [&](std::size_t i, int x, int y) {
+        if (kept[i](x, y) != Keep::no) return;
+        const double range = glm::length(rayThrough(images[i].camera, x + 0.5, y + 0.5)) /
+                             static_cast<double>(images[i].disparity(x, y));
+        ASSERT_TRUE(isHeldElsewhere(images, i, x, y, options.comparison,
+                                    [&](std::size_t j, int u, int v) {
+                                        const double baseline = glm::distance(images[i].worldFromCamera.translation,
+                                                                              images[j].worldFromCamera.translation);
+                                        return kept[j](u, v) != Keep::no && baseline <= 0.8 * range * (1 + 1e-5);
+                                    }))
+            << at(i, x, y) << ": dropped, and no camera near it keeps that surface";
+    });
+}
+
+TEST(Redundancy, KeepsOneOfTwoEqualImages) {
+    std::vector<DepthImage> images = imagesOfBareRoom(1);
+    images.push_back(images[0]);
+    ImageStore store(images);
+    const auto [kept, figures] = keepOf(store, {});
+    EXPECT_EQ(figures.base, 160 * 120) << "of twice as many";
+    EXPECT_EQ(figures.directional, 0);
+    forSamples(images, [&](std::size_t i, int x, int y) {
+        ASSERT_NE(kept[i](x, y) == Keep::no, kept[1 - i](x, y) == Keep::no) << at(i, x, y);
+    });
+}
+
+TEST(Redundancy, PrefersTheImageThatSamplesBetter) {
+    const DepthImage far = imageOf(smallCamera(), {}, [](double, double) { return 0.25; });
+    const DepthImage near = imageOf(smallCamera(), {glm::dmat3(1.0), {0, 0, 2}}, [](double, double) { return 0.5; });
+    for (const bool nearFirst : {false, true}) {
+        ImageStore store(nearFirst ? std::vector{near, far} : std::vector{far, near});
+        const auto [kept, figures] = keepOf(store, optionsOf(1.5f, 0.f));
+        const Image<Keep>&keptNear = kept[nearFirst ? 0 : 1], &keptFar = kept[nearFirst ? 1 : 0];
+        EXPECT_EQ(std::count(keptNear.pixels().begin(), keptNear.pixels().end(), Keep::base), 160 * 120);
+        EXPECT_EQ(keptFar(80, 60), Keep::no);
+        EXPECT_EQ(keptFar(10, 10), Keep::base) << "what only the far one sees";
+    }
+}
+
+/// Places where what is kept borders on what is not, within images: the seams.
+int seamsOf(const std::vector<Image<Keep>>& kept) {
+    int seams = 0;
+    for (const Image<Keep>& image : kept)
+        for (int y = 0; y + 1 < image.height(); ++y)
+            for (int x = 0; x + 1 < image.width(); ++x)
+                seams += ((image(x, y) == Keep::no) != (image(x + 1, y) == Keep::no)) +
+                         ((image(x, y) == Keep::no) != (image(x, y + 1) == Keep::no));
+    return seams;
+}
+
+TEST(Redundancy, KeepsFewerSamplesInLargerPiecesTheGreaterThePreference) {
+    ImageStore store(imagesOfBareRoom(kViews));
+    std::int64_t base = std::numeric_limits<std::int64_t>::max();
+    int seams = std::numeric_limits<int>::max();
+    for (const float preference : {1.f, 2.f, 100.f}) {
+        const auto [kept, figures] = keepOf(store, optionsOf(preference, 0.f));
+        EXPECT_LE(figures.base, base) << "preference " << preference;
+        EXPECT_LE(seamsOf(kept), seams) << "preference " << preference;
+        base = figures.base, seams = seamsOf(kept);
+    }
+}
+
+TEST(Redundancy, GivesTheSameBytesOnOneThreadAndOnTwo) {
+    ImageStore store(holedImages());
+    const Result one = keepOf(store, {}, 1);
+    for (int run = 0; run < 3; ++run) {
+        const Result two = keepOf(store, {}, 2);
+        EXPECT_TRUE(two.kept == one.kept) << "run " << run;
+        EXPECT_EQ(two.figures.base, one.figures.base);
+        EXPECT_EQ(two.figures.directional, one.figures.directional);
+    }
+}
+
+TEST(Redundancy, OfNothingAndOfSky) {
+    RedundancyFigures figures;
+    ImageStore none(std::vector<DepthImage>{});
+    EXPECT_TRUE(findKept(none, {}, {}, figures).empty());
+    // Two images that see the same sky, infinitely far: one of them keeps it.
+    std::vector<DepthImage> images(2, imageOf(smallCamera(), {}, [](double, double) { return 0.0; }));
+    ImageStore sky(images);
+    const auto kept = findKept(sky, {{{1, 1.f}}, {{0, 1.f}}}, {}, figures);
+    EXPECT_EQ(figures.base, 160 * 120);
+    EXPECT_EQ(figures.directional, 0);
+}
+
+} // namespace
+} // namespace scene
