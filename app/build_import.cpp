@@ -25,20 +25,31 @@ constexpr int kImportVersion = 1;
 json describe(const scene::Pose& pose) {
     json numbers = json::array();
     const glm::dmat4 m = toMatrix(pose);
-    for (int i = 0; i < 16; ++i) numbers.push_back(m[i % 4][i / 4]);
+    for (int i = 0; i < 16; ++i)
+        numbers.push_back(m[i % 4][i / 4]);
     return numbers;
 }
 
 std::string keyOfPhoto(const scene::PhotoSource& photo, const scene::DropoutOptions& dropouts) {
     const scene::Camera& c = photo.camera;
     const scene::Distortion& d = photo.distortion;
-    return keyOf({kImportVersion, photo.name, fingerprintOf(photo.colourPath), fingerprintOf(photo.depthPath),
-                  {c.width, c.height, c.fx, c.fy, c.cx, c.cy}, {d.k1, d.k2, d.p1, d.p2, d.k3}, describe(photo.worldFromCamera),
-                  photo.depthUnitMetres, {dropouts.radius, dropouts.sameSurface, dropouts.minSamples}});
+    return keyOf({kImportVersion,
+                  photo.name,
+                  fingerprintOf(photo.colourPath),
+                  fingerprintOf(photo.depthPath),
+                  {c.width, c.height, c.fx, c.fy, c.cx, c.cy},
+                  {d.k1, d.k2, d.p1, d.p2, d.k3},
+                  describe(photo.worldFromCamera),
+                  photo.depthUnitMetres,
+                  {dropouts.radius, dropouts.sameSurface, dropouts.minSamples}});
 }
 
 std::string keyOfScan(const scene::ScanSource& scan, const scene::CubeFaceOptions& faces) {
-    return keyOf({kImportVersion, scan.name, fingerprintOf(scan.path), scan.indexInFile, scan.byteInFile,
+    return keyOf({kImportVersion,
+                  scan.name,
+                  fingerprintOf(scan.path),
+                  scan.indexInFile,
+                  scan.byteInFile,
                   {faces.maxFaceSize, faces.sameSurface, faces.maxLayers}});
 }
 
@@ -47,7 +58,8 @@ scene::Scan readScan(const scene::ScanSource& source) {
 }
 
 /// The faces of a scan and, in points.json, what became of its points.
-void writeFaces(const scene::ScanSource& source, const scene::CubeFaceOptions& options, const std::filesystem::path& folder) {
+void writeFaces(const scene::ScanSource& source, const scene::CubeFaceOptions& options,
+                const std::filesystem::path& folder) {
     const scene::Scan scan = readScan(source);
     const scene::CubeFaces faces = scene::projectToCubeFaces(scan, options);
     json names = json::array();
@@ -57,15 +69,19 @@ void writeFaces(const scene::ScanSource& source, const scene::CubeFaceOptions& o
     }
     const scene::CubeFaceReport& report = faces.report;
     const glm::dvec3 up = scan.worldFromScanner.rotation[2];
-    writeWhole(folder / "points.json", json{{"faces", names}, {"points", report.points}, {"held", report.held},
-                                            {"dropped", report.dropped}, {"up", {up.x, up.y, up.z}}}
+    writeWhole(folder / "points.json", json{{"faces", names},
+                                            {"points", report.points},
+                                            {"held", report.held},
+                                            {"dropped", report.dropped},
+                                            {"up", {up.x, up.y, up.z}}}
                                            .dump());
 }
 
 json readJson(const std::filesystem::path& path) {
     const std::vector<std::byte> bytes = readWhole(path);
     try {
-        return json::parse(reinterpret_cast<const char*>(bytes.data()), reinterpret_cast<const char*>(bytes.data()) + bytes.size());
+        return json::parse(reinterpret_cast<const char*>(bytes.data()),
+                           reinterpret_cast<const char*>(bytes.data()) + bytes.size());
     } catch (const json::exception&) {
         throw scene::Failure("is damaged", path, "remove the folder it is in and build again");
     }
@@ -78,8 +94,8 @@ scene::StoredImage storedImage(const std::filesystem::path& file) {
 
 } // namespace
 
-ImportedImages importImages(const scene::Capture& capture, const std::vector<std::size_t>& heldOut, const BuildOptions& options,
-                            StageStore& store) {
+ImportedImages importImages(const scene::Capture& capture, const std::vector<std::size_t>& heldOut,
+                            const BuildOptions& options, StageStore& store) {
     ImportedImages imported;
     std::vector<std::size_t> taken;
     for (std::size_t i = 0; i < capture.photos.size(); ++i)
@@ -104,15 +120,16 @@ ImportedImages importImages(const scene::Capture& capture, const std::vector<std
     // One scan at a time: the points of a single one may fill the memory.
     for (const scene::ScanSource& scan : capture.scans) {
         keys.push_back(keyOfScan(scan, options.cubeFaces));
-        const std::filesystem::path folder = store.find("scan", keys.back(), [&](const std::filesystem::path& part) {
-            writeFaces(scan, options.cubeFaces, part);
-        });
+        const std::filesystem::path folder = store.find(
+            "scan", keys.back(), [&](const std::filesystem::path& part) { writeFaces(scan, options.cubeFaces, part); });
         const json points = readJson(folder / "points.json");
-        for (const json& name : points.at("faces")) imported.images.push_back(storedImage(folder / (name.get<std::string>() + ".tiff")));
+        for (const json& name : points.at("faces"))
+            imported.images.push_back(storedImage(folder / (name.get<std::string>() + ".tiff")));
         imported.scanPoints.points += points.at("points").get<std::int64_t>();
         imported.scanPoints.held += points.at("held").get<std::int64_t>();
         imported.scanPoints.dropped += points.at("dropped").get<std::int64_t>();
-        for (int axis = 0; axis < 3; ++axis) imported.uprightInWorld[axis] += points.at("up").at(static_cast<std::size_t>(axis)).get<double>();
+        for (int axis = 0; axis < 3; ++axis)
+            imported.uprightInWorld[axis] += points.at("up").at(static_cast<std::size_t>(axis)).get<double>();
         progress.advance();
     }
     imported.key = keyOf(keys);

@@ -7,7 +7,6 @@
 #include "scene/errors.h"
 #include "scene/scene_file.h"
 
-
 #include <tbb/parallel_for.h>
 
 namespace app {
@@ -18,7 +17,9 @@ using nlohmann::json;
 
 constexpr int kRefineVersion = 1;
 
-json describe(const scene::ComparisonOptions& o) { return {o.sameSurface, o.pixelError}; }
+json describe(const scene::ComparisonOptions& o) {
+    return {o.sameSurface, o.pixelError};
+}
 
 /// Half of the memory for pixels; the rest is for what the stages keep beside them.
 scene::ImageStore openImages(const std::vector<scene::StoredImage>& images, const BuildOptions& options) {
@@ -33,7 +34,8 @@ bool isThere(const std::filesystem::path& path) {
 json readJson(const std::filesystem::path& path) {
     const std::vector<std::byte> bytes = readWhole(path);
     try {
-        return json::parse(reinterpret_cast<const char*>(bytes.data()), reinterpret_cast<const char*>(bytes.data()) + bytes.size());
+        return json::parse(reinterpret_cast<const char*>(bytes.data()),
+                           reinterpret_cast<const char*>(bytes.data()) + bytes.size());
     } catch (const json::exception&) {
         throw scene::Failure("is damaged", path, "remove the folder it is in and build again");
     }
@@ -42,7 +44,8 @@ json readJson(const std::filesystem::path& path) {
 scene::Image<scene::Keep> readKept(const std::filesystem::path& file, const scene::Camera& camera) {
     const scene::Image<std::uint8_t> bytes = scene::readFlagsTiff(file, camera);
     scene::Image<scene::Keep> kept(camera.width, camera.height);
-    for (std::size_t i = 0; i < kept.size(); ++i) kept.pixels()[i] = static_cast<scene::Keep>(bytes.pixels()[i]);
+    for (std::size_t i = 0; i < kept.size(); ++i)
+        kept.pixels()[i] = static_cast<scene::Keep>(bytes.pixels()[i]);
     return kept;
 }
 
@@ -58,12 +61,14 @@ Overlaps findOverlaps(const ImportedImages& imported, const BuildOptions& option
     });
     Overlaps overlaps;
     overlaps.partners = scene::findPartners(outlines);
-    for (const auto& partners : overlaps.partners) overlaps.pairs += std::ssize(partners);
+    for (const auto& partners : overlaps.partners)
+        overlaps.pairs += std::ssize(partners);
     overlaps.pairs /= 2;
     return overlaps;
 }
 
-SkinStage markSkins(const ImportedImages& imported, const Overlaps& overlaps, const BuildOptions& options, StageStore& store) {
+SkinStage markSkins(const ImportedImages& imported, const Overlaps& overlaps, const BuildOptions& options,
+                    StageStore& store) {
     const scene::SkinOptions& o = options.skins;
     SkinStage stage;
     stage.key = keyOf({kRefineVersion, imported.key, o.planarity, o.maxPartners, describe(o.comparison)});
@@ -74,7 +79,8 @@ SkinStage markSkins(const ImportedImages& imported, const Overlaps& overlaps, co
     Progress progress("skins", images.size());
     tbb::parallel_for(std::size_t{0}, images.size(), [&](std::size_t i) {
         const std::string name = imported.images[i].name;
-        const std::filesystem::path flagsFile = folder / (name + ".flags.tiff"), figuresFile = folder / (name + ".json");
+        const std::filesystem::path flagsFile = folder / (name + ".flags.tiff"),
+                                    figuresFile = folder / (name + ".json");
         if (!isThere(figuresFile)) {
             writeFlagsTiff(scene::markSkins(images, i, overlaps.partners[i], o, figures[i]), flagsFile);
             const scene::SkinFigures& f = figures[i];
@@ -94,11 +100,12 @@ SkinStage markSkins(const ImportedImages& imported, const Overlaps& overlaps, co
     return stage;
 }
 
-KeepStage keepBest(const ImportedImages& imported, const Overlaps& overlaps, const SkinStage& skins, const BuildOptions& options,
-                   StageStore& store) {
+KeepStage keepBest(const ImportedImages& imported, const Overlaps& overlaps, const SkinStage& skins,
+                   const BuildOptions& options, StageStore& store) {
     const scene::RedundancyOptions& o = options.redundancy;
     KeepStage stage;
-    stage.key = keyOf({kRefineVersion, skins.key, options.cull, o.preference, o.baselineShare, o.tileSize, describe(o.comparison)});
+    stage.key = keyOf(
+        {kRefineVersion, skins.key, options.cull, o.preference, o.baselineShare, o.tileSize, describe(o.comparison)});
     Progress progress("redundancy", imported.images.size());
     const std::filesystem::path folder = store.find("kept", stage.key, [&](const std::filesystem::path& part) {
         scene::ImageStore images = openImages(skins.images, options);
@@ -109,11 +116,13 @@ KeepStage keepBest(const ImportedImages& imported, const Overlaps& overlaps, con
         } else {
             for (const scene::StoredImage& image : skins.images)
                 kept.emplace_back(image.camera.width, image.camera.height, scene::Keep::base);
-            figures = {skins.figures.samples - skins.figures.floating, skins.figures.samples - skins.figures.floating, 0};
+            figures = {skins.figures.samples - skins.figures.floating, skins.figures.samples - skins.figures.floating,
+                       0};
         }
         for (std::size_t i = 0; i < kept.size(); ++i) {
             scene::Image<std::uint8_t> bytes(kept[i].width(), kept[i].height());
-            for (std::size_t k = 0; k < bytes.size(); ++k) bytes.pixels()[k] = static_cast<std::uint8_t>(kept[i].pixels()[k]);
+            for (std::size_t k = 0; k < bytes.size(); ++k)
+                bytes.pixels()[k] = static_cast<std::uint8_t>(kept[i].pixels()[k]);
             writeFlagsTiff(bytes, part / (imported.images[i].name + ".tiff"));
         }
         writeWhole(part / "figures.json", json{figures.samples, figures.base, figures.directional}.dump());
@@ -121,15 +130,17 @@ KeepStage keepBest(const ImportedImages& imported, const Overlaps& overlaps, con
     progress.advance(imported.images.size());
     const json figures = readJson(folder / "figures.json");
     stage.figures = {figures.at(0), figures.at(1), figures.at(2)};
-    for (const scene::StoredImage& image : imported.images) stage.files.push_back(folder / (image.name + ".tiff"));
+    for (const scene::StoredImage& image : imported.images)
+        stage.files.push_back(folder / (image.name + ".tiff"));
     return stage;
 }
 
-TileStage fuseAndCut(const ImportedImages& imported, const Overlaps& overlaps, const SkinStage& skins, const KeepStage& kept,
-                     const BuildOptions& options, StageStore& store) {
+TileStage fuseAndCut(const ImportedImages& imported, const Overlaps& overlaps, const SkinStage& skins,
+                     const KeepStage& kept, const BuildOptions& options, StageStore& store) {
     scene::FusionOptions o = options.fusion;
     if (!options.fuse) o.maxPartners = 0;
-    const std::string key = keyOf({kRefineVersion, kept.key, o.maxPartners, o.angleRadians, o.colourStep, describe(o.comparison), options.tileSize});
+    const std::string key = keyOf({kRefineVersion, kept.key, o.maxPartners, o.angleRadians, o.colourStep,
+                                   describe(o.comparison), options.tileSize});
     const std::filesystem::path folder = store.folderOf("tiles", key);
     scene::ImageStore images = openImages(skins.images, options);
     TileStage stage;

@@ -13,7 +13,8 @@ namespace app {
 void buildScene(const BuildOptions& options) {
     const scene::Capture capture = scene::openCapture(options.inputs);
     const std::vector<std::size_t> heldOut = scene::findHeldOut(capture, options.holdOut);
-    for (const std::string& remark : capture.remarks) std::fprintf(stderr, "note: %s\n", remark.c_str());
+    for (const std::string& remark : capture.remarks)
+        std::fprintf(stderr, "note: %s\n", remark.c_str());
 
     std::filesystem::path work = std::filesystem::absolute(options.output).lexically_normal();
     if (!work.has_filename()) work = work.parent_path();
@@ -23,7 +24,8 @@ void buildScene(const BuildOptions& options) {
 
     const ImportedImages imported = importImages(capture, heldOut, options, store);
     if (imported.images.empty())
-        throw scene::Failure("holds no image or scan with range", options.inputs.front(), "check the capture, or hold out less");
+        throw scene::Failure("holds no image or scan with range", options.inputs.front(),
+                             "check the capture, or hold out less");
     const Overlaps overlaps = findOverlaps(imported, options);
     const SkinStage skins = markSkins(imported, overlaps, options, store);
     const KeepStage kept = keepBest(imported, overlaps, skins, options, store);

@@ -17,10 +17,10 @@ namespace app {
 struct BuildOptions {
     std::vector<std::filesystem::path> inputs;
     std::filesystem::path output;
-    std::string holdOut;                   ///< every:N:FIRST, a file of names, or empty
-    std::size_t memoryBytes = 8ull << 30;  ///< pixels held at a time
-    bool cull = true;                      ///< false: every sample is kept
-    bool fuse = true;                      ///< false: kept samples stay as they were captured
+    std::string holdOut;                  ///< every:N:FIRST, a file of names, or empty
+    std::size_t memoryBytes = 8ull << 30; ///< pixels held at a time
+    bool cull = true;                     ///< false: every sample is kept
+    bool fuse = true;                     ///< false: kept samples stay as they were captured
     int tileSize = scene::kDefaultTileSize;
     scene::CubeFaceOptions cubeFaces;
     scene::DropoutOptions dropouts;

@@ -1,5 +1,6 @@
 #pragma once
-// The stages of a build as the command runs them: each takes the results of those before it, in files, and leaves its own.
+// The stages of a build as the command runs them: each takes the results of those before it, in files, and leaves its
+// own.
 
 #include "app/build_scene.h"
 #include "app/stage_store.h"
@@ -17,8 +18,8 @@ struct ImportedImages {
     scene::CubeFaceReport scanPoints; ///< summed over the scans
     glm::dvec3 uprightInWorld{0};     ///< scans say what is up; zero if there are none
 };
-ImportedImages importImages(const scene::Capture& capture, const std::vector<std::size_t>& heldOut, const BuildOptions& options,
-                            StageStore& store);
+ImportedImages importImages(const scene::Capture& capture, const std::vector<std::size_t>& heldOut,
+                            const BuildOptions& options, StageStore& store);
 
 struct Overlaps {
     std::vector<std::vector<scene::Partner>> partners;
@@ -32,7 +33,8 @@ struct SkinStage {
     scene::SkinFigures figures;
     std::string key;
 };
-SkinStage markSkins(const ImportedImages& imported, const Overlaps& overlaps, const BuildOptions& options, StageStore& store);
+SkinStage markSkins(const ImportedImages& imported, const Overlaps& overlaps, const BuildOptions& options,
+                    StageStore& store);
 
 /// refine, second part: a file for each image that says what is kept of it.
 struct KeepStage {
@@ -40,19 +42,19 @@ struct KeepStage {
     scene::RedundancyFigures figures;
     std::string key;
 };
-KeepStage keepBest(const ImportedImages& imported, const Overlaps& overlaps, const SkinStage& skins, const BuildOptions& options,
-                   StageStore& store);
+KeepStage keepBest(const ImportedImages& imported, const Overlaps& overlaps, const SkinStage& skins,
+                   const BuildOptions& options, StageStore& store);
 
 /// refine, third part: fused and cut into tiles, a block of tiles and a file of final flags for each image.
 struct TileStage {
     std::vector<std::filesystem::path> blocks, flags;
 };
-TileStage fuseAndCut(const ImportedImages& imported, const Overlaps& overlaps, const SkinStage& skins, const KeepStage& kept,
-                     const BuildOptions& options, StageStore& store);
+TileStage fuseAndCut(const ImportedImages& imported, const Overlaps& overlaps, const SkinStage& skins,
+                     const KeepStage& kept, const BuildOptions& options, StageStore& store);
 
 /// The scene folder, under a temporary name until it is whole.
-void writeScene(const std::filesystem::path& output, const scene::Capture& capture, const std::vector<std::size_t>& heldOut,
-                const ImportedImages& imported, const Overlaps& overlaps, const SkinStage& skins, const KeepStage& kept,
-                const TileStage& tiles, const BuildOptions& options);
+void writeScene(const std::filesystem::path& output, const scene::Capture& capture,
+                const std::vector<std::size_t>& heldOut, const ImportedImages& imported, const Overlaps& overlaps,
+                const SkinStage& skins, const KeepStage& kept, const TileStage& tiles, const BuildOptions& options);
 
 } // namespace app

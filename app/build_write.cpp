@@ -28,13 +28,14 @@ constexpr const char* kWriteRemedy = "check that the disk has room and the folde
 json rowMajor(const scene::Pose& pose) {
     json numbers = json::array();
     const glm::dmat4 m = toMatrix(pose);
-    for (int i = 0; i < 16; ++i) numbers.push_back(m[i % 4][i / 4]);
+    for (int i = 0; i < 16; ++i)
+        numbers.push_back(m[i % 4][i / 4]);
     return numbers;
 }
 
 json describe(const std::string& name, const scene::Camera& c, const scene::Pose& worldFromCamera) {
-    return {{"name", name}, {"width", c.width}, {"height", c.height}, {"fx", c.fx}, {"fy", c.fy}, {"cx", c.cx}, {"cy", c.cy},
-            {"world_from_camera", rowMajor(worldFromCamera)}};
+    return {{"name", name}, {"width", c.width}, {"height", c.height}, {"fx", c.fx},
+            {"fy", c.fy},   {"cx", c.cx},       {"cy", c.cy},         {"world_from_camera", rowMajor(worldFromCamera)}};
 }
 
 json describeOptions(const BuildOptions& o) {
@@ -55,8 +56,9 @@ json explain(const scene::Capture& capture, const Overlaps& overlaps, const Buil
     json reasons = json::array();
     reasons.push_back("depth images: " + std::to_string(capture.photos.size()) + " photographs and " +
                       std::to_string(capture.scans.size()) + " scans in the capture");
-    reasons.push_back(overlaps.pairs > 0 ? "skins, redundancy and fusion over " + std::to_string(overlaps.pairs) + " overlapping pairs"
-                                         : std::string("skins by planarity alone: no two images overlap"));
+    reasons.push_back(overlaps.pairs > 0
+                          ? "skins, redundancy and fusion over " + std::to_string(overlaps.pairs) + " overlapping pairs"
+                          : std::string("skins by planarity alone: no two images overlap"));
     if (!o.cull) reasons.push_back("no culling: every sample is kept, as asked");
     if (!o.fuse) reasons.push_back("no fusion: samples stay as captured, as asked");
     return reasons;
@@ -67,12 +69,13 @@ void putInPlace(const std::filesystem::path& part, const std::filesystem::path& 
     std::error_code ignored;
     if (!std::filesystem::exists(output, ignored)) {
         if (::rename(part.c_str(), output.c_str()) != 0)
-            throw scene::Failure(std::string("cannot be renamed into place (") + std::strerror(errno) + ")", output, kWriteRemedy);
+            throw scene::Failure(std::string("cannot be renamed into place (") + std::strerror(errno) + ")", output,
+                                 kWriteRemedy);
         return;
     }
     if (renameat2(AT_FDCWD, part.c_str(), AT_FDCWD, output.c_str(), RENAME_EXCHANGE) != 0)
-        throw scene::Failure(std::string("cannot be exchanged for the new scene (") + std::strerror(errno) + ")", output,
-                             "remove the old scene, or give another name with -o");
+        throw scene::Failure(std::string("cannot be exchanged for the new scene (") + std::strerror(errno) + ")",
+                             output, "remove the old scene, or give another name with -o");
     std::filesystem::remove_all(part, ignored);
 }
 
@@ -94,16 +97,17 @@ void writeImages(const std::filesystem::path& folder, const ImportedImages& impo
 void checkReplaceable(const std::filesystem::path& output) {
     std::error_code ignored;
     if (!std::filesystem::exists(output, ignored)) return;
-    const bool isScene = std::filesystem::is_directory(output, ignored) &&
-                         (std::filesystem::exists(output / "scene.json", ignored) || std::filesystem::is_empty(output, ignored));
+    const bool isScene =
+        std::filesystem::is_directory(output, ignored) &&
+        (std::filesystem::exists(output / "scene.json", ignored) || std::filesystem::is_empty(output, ignored));
     if (!isScene) throw scene::Failure("exists and is no scene", output, "give another name with -o");
 }
 
 } // namespace
 
-void writeScene(const std::filesystem::path& output, const scene::Capture& capture, const std::vector<std::size_t>& heldOut,
-                const ImportedImages& imported, const Overlaps& overlaps, const SkinStage& skins, const KeepStage& kept,
-                const TileStage& tiles, const BuildOptions& options) {
+void writeScene(const std::filesystem::path& output, const scene::Capture& capture,
+                const std::vector<std::size_t>& heldOut, const ImportedImages& imported, const Overlaps& overlaps,
+                const SkinStage& skins, const KeepStage& kept, const TileStage& tiles, const BuildOptions& options) {
     checkReplaceable(output);
     std::filesystem::path part = output;
     part += ".part";
@@ -115,7 +119,8 @@ void writeScene(const std::filesystem::path& output, const scene::Capture& captu
         const auto tilesOf = [&](std::size_t i) {
             scene::TileSet set = scene::unpackTiles(readWhole(tiles.blocks[i]), tiles.blocks[i].string());
             tileCount += std::ssize(set.tiles), quads += std::ssize(set.quads);
-            for (const scene::Tile& tile : set.tiles) points += tile.pointCount;
+            for (const scene::Tile& tile : set.tiles)
+                points += tile.pointCount;
             return set;
         };
         scene::writeTilesFile(part / "tiles.bin", imported.images.size(), tilesOf);
@@ -125,8 +130,10 @@ void writeScene(const std::filesystem::path& output, const scene::Capture& captu
             images.push_back(describe(image.name, image.camera, image.worldFromCamera));
         }
         for (const std::size_t i : heldOut)
-            heldOutCameras.push_back(describe(capture.photos[i].name, capture.photos[i].camera, capture.photos[i].worldFromCamera));
-        for (const auto& input : options.inputs) inputs.push_back(input.string());
+            heldOutCameras.push_back(
+                describe(capture.photos[i].name, capture.photos[i].camera, capture.photos[i].worldFromCamera));
+        for (const auto& input : options.inputs)
+            inputs.push_back(input.string());
 
         json manifest{{"revisit", "scene"},
                       {"version", 1},

@@ -15,12 +15,14 @@ void write(const std::filesystem::path& path, const cv::Mat& picture, const std:
         isWritten = cv::imwrite(path.string(), picture, parameters);
     } catch (const cv::Exception&) {
     }
-    if (!isWritten) throw scene::Failure("cannot be written", path, "check that the disk has room and the folder may be written");
+    if (!isWritten)
+        throw scene::Failure("cannot be written", path, "check that the disk has room and the folder may be written");
 }
 
 } // namespace
 
-void writePictures(const render::EyeImage& image, const std::filesystem::path& folder, const std::string& name, bool aux) {
+void writePictures(const render::EyeImage& image, const std::filesystem::path& folder, const std::string& name,
+                   bool aux) {
     cv::Mat3b colour(image.colour.height(), image.colour.width());
     for (int y = 0; y < colour.rows; ++y)
         for (int x = 0; x < colour.cols; ++x) {

@@ -8,8 +8,9 @@
 
 namespace app {
 
-/// FOLDER/NAME.png, and with aux FOLDER/NAME-depth.tiff (float32, metres along z, 0 = nothing) and FOLDER/NAME-class.png
-/// (0 background, 1 seen, 2 filled, 3 unseen). Throws scene::Failure.
-void writePictures(const render::EyeImage& image, const std::filesystem::path& folder, const std::string& name, bool aux);
+/// FOLDER/NAME.png, and with aux FOLDER/NAME-depth.tiff (float32, metres along z, 0 = nothing) and
+/// FOLDER/NAME-class.png (0 background, 1 seen, 2 filled, 3 unseen). Throws scene::Failure.
+void writePictures(const render::EyeImage& image, const std::filesystem::path& folder, const std::string& name,
+                   bool aux);
 
 } // namespace app

@@ -31,8 +31,10 @@ json spreadOf(std::vector<double> values) {
 void FrameReport::add(const std::string&, const render::FrameStats& stats, double wallMilliseconds) {
     ++frames_;
     milliseconds_["wall.frame"].push_back(wallMilliseconds);
-    for (const render::StepTime& time : stats.cpu) milliseconds_[stepName("cpu", time)].push_back(time.milliseconds);
-    for (const render::StepTime& time : stats.gpu) milliseconds_[stepName("gpu", time)].push_back(time.milliseconds);
+    for (const render::StepTime& time : stats.cpu)
+        milliseconds_[stepName("cpu", time)].push_back(time.milliseconds);
+    for (const render::StepTime& time : stats.gpu)
+        milliseconds_[stepName("gpu", time)].push_back(time.milliseconds);
     double tested = 0, rejected = 0, drawn = 0, samples = 0;
     for (const render::EyeCounts& eye : stats.eyes) {
         tested += eye.tilesTested, rejected += eye.tilesRejected, drawn += eye.tilesDrawn;

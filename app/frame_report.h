@@ -1,8 +1,8 @@
 #pragma once
 // report.json: what was drawn, on what, and how long each step took.
 
-#include "render/renderer.h"
 #include "render/gpu_scene.h"
+#include "render/renderer.h"
 
 #include <filesystem>
 #include <map>
@@ -19,8 +19,10 @@ class FrameReport {
     /// wallMilliseconds: from the call of draw until the frame was finished on the device.
     void add(const std::string& name, const render::FrameStats& stats, double wallMilliseconds);
 
-    /// Median, p95, p99 and maximum of every step, tiles and samples; `settings` (warp, size, eyes, ...) goes in as it is.
-    nlohmann::json summarise(const render::Device& device, const render::GpuScene& scene, nlohmann::json settings) const;
+    /// Median, p95, p99 and maximum of every step, tiles and samples; `settings` (warp, size, eyes, ...) goes in as it
+    /// is.
+    nlohmann::json summarise(const render::Device& device, const render::GpuScene& scene,
+                             nlohmann::json settings) const;
 
   private:
     std::map<std::string, std::vector<double>> milliseconds_; ///< by "cpu.cull.left" and so on

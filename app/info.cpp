@@ -39,22 +39,25 @@ void printInfo(const std::filesystem::path& folder, bool asJson) {
     const json& f = info.at("figures");
     const auto number = [&](const char* key) { return f.at(key).get<double>(); };
     std::printf("%s\n", folder.string().c_str());
-    for (const json& input : info.at("provenance").at("inputs")) std::printf("  from       %s\n", input.get<std::string>().c_str());
+    for (const json& input : info.at("provenance").at("inputs"))
+        std::printf("  from       %s\n", input.get<std::string>().c_str());
     std::printf("  images     %zu, %zu held out, %.0f overlapping pairs\n", scene.images.size(), scene.heldOut.size(),
                 number("overlapping_pairs"));
     if (number("scan_points") > 0)
-        std::printf("  scans      %.0f points, %.0f held, %.0f dropped\n", number("scan_points"), number("scan_points_held"),
-                    number("scan_points_dropped"));
-    std::printf("  samples    %.0f; kept %s as base, %s for other directions; %.0f float in empty space\n", number("samples"),
-                shareText(number("samples_base"), number("samples")).c_str(),
+        std::printf("  scans      %.0f points, %.0f held, %.0f dropped\n", number("scan_points"),
+                    number("scan_points_held"), number("scan_points_dropped"));
+    std::printf("  samples    %.0f; kept %s as base, %s for other directions; %.0f float in empty space\n",
+                number("samples"), shareText(number("samples_base"), number("samples")).c_str(),
                 shareText(number("samples_directional"), number("samples")).c_str(), number("samples_floating"));
     std::printf("  skins      %s of the triangles by planarity, %s more seen through by another image\n",
                 shareText(number("triangles_skin_planarity"), number("triangles")).c_str(),
                 shareText(number("triangles_skin_seen_through"), number("triangles")).c_str());
     std::printf("  tiles      %.0f, %.1f MB; scene %.1f MB on disk\n", number("tiles"),
                 static_cast<double>(scene.tilesFile.bytes().size()) / 1e6, info["bytes_on_disk"].get<double>() / 1e6);
-    for (const json& reason : info.at("built")) std::printf("  built      %s\n", reason.get<std::string>().c_str());
-    for (const json& remark : info.at("provenance").at("remarks")) std::printf("  note       %s\n", remark.get<std::string>().c_str());
+    for (const json& reason : info.at("built"))
+        std::printf("  built      %s\n", reason.get<std::string>().c_str());
+    for (const json& remark : info.at("provenance").at("remarks"))
+        std::printf("  note       %s\n", remark.get<std::string>().c_str());
 }
 
 } // namespace app

@@ -22,30 +22,43 @@ constexpr int kDone = 0, kCouldNot = 1, kWrongUsage = 2;
 
 /// Options that belong to parts which are still to come are an error that says so.
 void refuse(CLI::App& command, const std::string& names, const std::string& part) {
-    command.add_option_function<std::string>(
-               names, [names, part](const std::string&) { throw CLI::ValidationError(names + " comes with " + part + ", which this version has not"); }, "")
+    command
+        .add_option_function<std::string>(
+            names,
+            [names, part](const std::string&) {
+                throw CLI::ValidationError(names + " comes with " + part + ", which this version has not");
+            },
+            "")
         ->group("")
         ->expected(0, 1);
 }
 
 void addBuild(CLI::App& program, app::BuildOptions& options, std::string& memory, int& threads) {
     CLI::App* build = program.add_subcommand("build", "Turn a capture into a scene.");
-    build->add_option("INPUT", options.inputs, "transforms.json (or its folder), a TUM RGB-D folder, .e57, .ptx")->required();
+    build->add_option("INPUT", options.inputs, "transforms.json (or its folder), a TUM RGB-D folder, .e57, .ptx")
+        ->required();
     build->add_option("-o,--output", options.output, "folder of the scene")->required();
-    build->add_option("--hold-out", options.holdOut, "keep photographs out to compare with: every:N:FIRST, or a file of names");
-    build->add_flag_callback("--no-fuse", [&] { options.fuse = false; }, "keep samples as captured instead of fusing those that agree");
-    build->add_flag_callback("--no-cull", [&] { options.cull = false; }, "keep every sample, redundant or not");
-    build->add_option("--cull-preference", options.redundancy.preference,
-                      "how much better sampled a tile must be to be preferred to one of a more central image")
+    build->add_option("--hold-out", options.holdOut,
+                      "keep photographs out to compare with: every:N:FIRST, or a file of names");
+    build->add_flag_callback(
+        "--no-fuse", [&] { options.fuse = false; }, "keep samples as captured instead of fusing those that agree");
+    build->add_flag_callback(
+        "--no-cull", [&] { options.cull = false; }, "keep every sample, redundant or not");
+    build
+        ->add_option("--cull-preference", options.redundancy.preference,
+                     "how much better sampled a tile must be to be preferred to one of a more central image")
         ->check(CLI::Range(1.0, 1e6))
         ->capture_default_str();
-    build->add_option("--cull-baseline", options.redundancy.baselineShare,
-                      "threshold of redundancy: a surface is kept again where no kept image stands nearer than this share of its range; "
-                      "0 keeps each surface once")
+    build
+        ->add_option("--cull-baseline", options.redundancy.baselineShare,
+                     "threshold of redundancy: a surface is kept again where no kept image stands nearer than this "
+                     "share of its range; "
+                     "0 keeps each surface once")
         ->check(CLI::Range(0.0, 10.0))
         ->capture_default_str();
-    build->add_option("--same-surface", options.skins.comparison.sameSurface,
-                      "relative difference in depth up to which two images mean the same surface")
+    build
+        ->add_option("--same-surface", options.skins.comparison.sameSurface,
+                     "relative difference in depth up to which two images mean the same surface")
         ->check(CLI::Range(1e-5, 0.5))
         ->capture_default_str();
     build->add_option("--tile-size", options.tileSize, "samples along the side of a tile")
@@ -60,25 +73,38 @@ void addBuild(CLI::App& program, app::BuildOptions& options, std::string& memory
     build->footer("Examples:\n"
                   "  revisit build living_room/ -o room.revisit\n"
                   "  revisit build scan_a.e57 scan_b.e57 -o site.revisit --memory 4G\n"
-                  "  revisit build capture/ -o test.revisit --hold-out every:20:10   # then: revisit render test.revisit --out frames\n"
-                  "\nWhat the stages leave behind stands in SCENE.build: a build that was stopped goes on there. It may be removed.");
+                  "  revisit build capture/ -o test.revisit --hold-out every:20:10   # then: revisit render "
+                  "test.revisit --out frames\n"
+                  "\nWhat the stages leave behind stands in SCENE.build: a build that was stopped goes on there. It "
+                  "may be removed.");
 }
 
 void addRender(CLI::App& program, app::RenderOptions& options, std::string& size, std::string& memory) {
-    CLI::App* render = program.add_subcommand("render", "Draw a scene into picture files, in stereo along a path or from given cameras.");
+    CLI::App* render = program.add_subcommand(
+        "render", "Draw a scene into picture files, in stereo along a path or from given cameras.");
     render->add_option("SCENE", options.scene, "folder that 'revisit build' made")->required();
     render->add_option("--out", options.out, "folder for pictures and report.json")->required();
     auto* path = render->add_option("--path", options.path, "path file: where the head goes");
-    render->add_option("--cameras", options.cameras, "cameras file; without it and --path: the held-out cameras")->excludes(path);
+    render->add_option("--cameras", options.cameras, "cameras file; without it and --path: the held-out cameras")
+        ->excludes(path);
     render->add_option("--size", size, "WxH; default 640x480 for paths, the cameras' own otherwise");
-    render->add_option("--eyes", options.eyes, "2 or 1; default 2 for paths, 1 for cameras")->check(CLI::IsMember({1, 2}));
+    render->add_option("--eyes", options.eyes, "2 or 1; default 2 for paths, 1 for cameras")
+        ->check(CLI::IsMember({1, 2}));
     render->add_flag("--aux", options.aux, "write depth and class, too");
-    render->add_option("--warp", options.warp, "points, mesh")->check(CLI::IsMember({"points", "mesh"}))->capture_default_str();
-    render->add_option("--ipd", options.eyeDistanceMetres, "metres between the eyes")->check(CLI::Range(0.0, 1.0))->capture_default_str();
-    render->add_option("--near-baseline", options.nearBaseline,
-                       "images taken from within this share of a surface's distance are preferred there; 0: the nearest sample wins")
+    render->add_option("--warp", options.warp, "points, mesh")
+        ->check(CLI::IsMember({"points", "mesh"}))
+        ->capture_default_str();
+    render->add_option("--ipd", options.eyeDistanceMetres, "metres between the eyes")
+        ->check(CLI::Range(0.0, 1.0))
+        ->capture_default_str();
+    render
+        ->add_option("--near-baseline", options.nearBaseline,
+                     "images taken from within this share of a surface's distance are preferred there; 0: the nearest "
+                     "sample wins")
         ->check(CLI::Range(0.0, 10.0));
-    render->add_option("--max-footprint", options.maxFootprint, "points: widest square of pixels for a sample; 1: one pixel each")
+    render
+        ->add_option("--max-footprint", options.maxFootprint,
+                     "points: widest square of pixels for a sample; 1: one pixel each")
         ->check(CLI::Range(1, 64));
     render->add_option("--memory", memory, "what the scene may take, e.g. 8G")->capture_default_str();
     refuse(*render, "--overlay", "walk cells");
@@ -92,7 +118,8 @@ int run(int argc, char** argv) {
     CLI::App program{"Revisit: walk back into a place that was photographed or scanned with depth."};
     program.set_version_flag("--version", std::string("revisit ") + app::kVersion + " (" + app::kCommit + ")");
     program.require_subcommand(1);
-    program.footer("Example:\n  revisit build capture/ -o room.revisit && revisit render room.revisit --out frames --path walk.json\n"
+    program.footer("Example:\n  revisit build capture/ -o room.revisit && revisit render room.revisit --out frames "
+                   "--path walk.json\n"
                    "\nEach command has its own --help.");
 
     app::BuildOptions buildOptions;

@@ -40,7 +40,7 @@ struct SampleOptions {
     double depthUnitMetres = 0.001;
     std::uint32_t seed = 1;
     std::string format = "png";
-    int walkPoses = 300;
+    int walkPoses = 90;
     double walkSeconds = 20;
 };
 
@@ -74,16 +74,14 @@ void writePicture(const fs::path& path, const cv::Mat& picture) {
         isWritten = false;
     }
     if (!isWritten)
-        throw scene::Failure("cannot write the picture", path,
-                             "check that the folder is writable and not full");
+        throw scene::Failure("cannot write the picture", path, "check that the folder is writable and not full");
 }
 
 void writeJson(const fs::path& path, const Json& json) {
     std::ofstream file(path);
     file << json.dump(1) << '\n';
     file.close();
-    if (!file)
-        throw scene::Failure("cannot write the file", path, "check that the folder is writable and not full");
+    if (!file) throw scene::Failure("cannot write the file", path, "check that the folder is writable and not full");
 }
 
 cv::Mat colourOf(const scene::DepthImage& image) {
@@ -105,8 +103,7 @@ cv::Mat depthOf(const scene::DepthImage& image, const SampleOptions& options, in
             double depth = 1.0 / static_cast<double>(image.disparity(x, y));
             if (options.noiseMillimetres > 0) depth += options.noiseMillimetres * 0.001 * noise.normal();
             const double steps = std::round(depth / options.depthUnitMetres);
-            if (steps >= 1.0 && steps <= 65535.0)
-                picture.at<std::uint16_t>(y, x) = static_cast<std::uint16_t>(steps);
+            if (steps >= 1.0 && steps <= 65535.0) picture.at<std::uint16_t>(y, x) = static_cast<std::uint16_t>(steps);
         }
     return picture;
 }
@@ -120,8 +117,7 @@ Json frameOf(const scene::DepthImage& image, const std::string& colourPath, cons
     return {{"file_path", colourPath}, {"depth_file_path", depthPath}, {"transform_matrix", rows}};
 }
 
-void writeCapture(const scene::SyntheticScene& synthetic, const scene::Camera& camera,
-                  const SampleOptions& options) {
+void writeCapture(const scene::SyntheticScene& synthetic, const scene::Camera& camera, const SampleOptions& options) {
     Json transforms{{"camera_model", "OPENCV"},
                     {"w", camera.width},
                     {"h", camera.height},
@@ -157,10 +153,9 @@ void writeWalk(const scene::SyntheticScene& synthetic, const SampleOptions& opti
         const scene::Pose worldFromHead = withUprightAxes(views[i].worldFromEye);
         const glm::dvec3 p = worldFromHead.translation;
         const glm::dvec4 q = scene::quaternionOf(worldFromHead);
-        poses.push_back(
-            {{"t", options.walkSeconds * static_cast<double>(i) / static_cast<double>(views.size())},
-             {"position", {p.x, p.y, p.z}},
-             {"orientation", {q.x, q.y, q.z, q.w}}});
+        poses.push_back({{"t", options.walkSeconds * static_cast<double>(i) / static_cast<double>(views.size())},
+                         {"position", {p.x, p.y, p.z}},
+                         {"orientation", {q.x, q.y, q.z, q.w}}});
     }
     writeJson(options.out / "walk.json", {{"space", "world"}, {"poses", poses}});
 }
@@ -179,8 +174,8 @@ void makeSample(const SampleOptions& options, const scene::Camera& camera) {
     const auto synthetic = scene::makeSyntheticScene(options.sceneName, options.seed);
     writeCapture(*synthetic, camera, options);
     writeWalk(*synthetic, options);
-    std::cout << options.images << " images of the " << options.sceneName << " and a walk of "
-              << options.walkPoses << " poses in " << options.out.string() << '\n';
+    std::cout << options.images << " images of the " << options.sceneName << " and a walk of " << options.walkPoses
+              << " poses in " << options.out.string() << '\n';
 }
 
 } // namespace
@@ -201,13 +196,10 @@ int main(int argc, char** argv) {
                    "corridor: 26 m of repeating doors and pillars")
         ->check(CLI::IsMember({"room", "corner", "corridor"}))
         ->capture_default_str();
-    cli.add_option("--images", options.images, "how many")
-        ->check(CLI::Range(1, 100000))
-        ->capture_default_str();
+    cli.add_option("--images", options.images, "how many")->check(CLI::Range(1, 100000))->capture_default_str();
     cli.add_option("--size", options.size, "of the images in pixels, 63 degrees across")
         ->check([&camera](const std::string& size) {
-            return app::cameraOf(size, camera) ? std::string()
-                                               : "not WIDTHxHEIGHT with each from 1 to 16384: " + size;
+            return app::cameraOf(size, camera) ? std::string() : "not WIDTHxHEIGHT with each from 1 to 16384: " + size;
         })
         ->type_name("WxH")
         ->capture_default_str();
@@ -221,8 +213,7 @@ int main(int argc, char** argv) {
                    "metres in one step of the 16 bit depth; 65535 steps are the farthest")
         ->check(CLI::Range(1e-6, 1.0))
         ->capture_default_str();
-    cli.add_option("--seed", options.seed, "another seed: other books, leaves, clouds, noise")
-        ->capture_default_str();
+    cli.add_option("--seed", options.seed, "another seed: other books, leaves, clouds, noise")->capture_default_str();
     cli.add_option("--format", options.format, "of the colour images")
         ->check(CLI::IsMember({"png", "jpg"}))
         ->capture_default_str();

@@ -25,8 +25,8 @@ std::string timeText(double seconds) {
 } // namespace
 
 Progress::Progress(std::string step, std::size_t total)
-    : step_(std::move(step)), total_(total), isTerminal_(isatty(STDERR_FILENO) == 1), start_(std::chrono::steady_clock::now()),
-      shown_(start_) {}
+    : step_(std::move(step)), total_(total), isTerminal_(isatty(STDERR_FILENO) == 1),
+      start_(std::chrono::steady_clock::now()), shown_(start_) {}
 
 Progress::~Progress() {
     // A step that an error ended is not told as done.

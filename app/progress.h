@@ -1,5 +1,6 @@
 #pragma once
-// How far a long step is: a bar with the time left on a terminal, a plain line now and then elsewhere. Written to stderr.
+// How far a long step is: a bar with the time left on a terminal, a plain line now and then elsewhere. Written to
+// stderr.
 
 #include <chrono>
 #include <cstddef>

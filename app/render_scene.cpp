@@ -20,7 +20,8 @@ namespace app {
 namespace {
 
 constexpr int kDefaultWidth = 640, kDefaultHeight = 480;
-constexpr double kDefaultFieldOfViewRadians = 1.2; ///< across, for paths: about what a headset's eye sees of a 4:3 picture
+constexpr double kDefaultFieldOfViewRadians =
+    1.2; ///< across, for paths: about what a headset's eye sees of a 4:3 picture
 
 scene::Camera pathCamera(const RenderOptions& o) {
     const int width = o.width > 0 ? o.width : kDefaultWidth, height = o.height > 0 ? o.height : kDefaultHeight;
@@ -40,7 +41,8 @@ std::vector<NamedView> listViews(const RenderOptions& o, const scene::Scene& sce
     std::vector<NamedView> views = o.cameras.empty() ? heldOutViews(scene) : readCamerasFile(o.cameras);
     if (views.empty())
         throw scene::Failure("has no held-out cameras to draw", o.scene, "give --path FILE or --cameras FILE");
-    for (NamedView& view : views) view.camera = resized(view.camera, o.width, o.height);
+    for (NamedView& view : views)
+        view.camera = resized(view.camera, o.width, o.height);
     return views;
 }
 
@@ -64,7 +66,9 @@ void renderScene(const RenderOptions& options) {
 
     std::error_code error;
     std::filesystem::create_directories(options.out, error);
-    if (error) throw scene::Failure("cannot be made (" + error.message() + ")", options.out, "check that the folder may be written");
+    if (error)
+        throw scene::Failure("cannot be made (" + error.message() + ")", options.out,
+                             "check that the folder may be written");
 
     FrameReport report;
     std::optional<render::Renderer> renderer;
@@ -89,12 +93,20 @@ void renderScene(const RenderOptions& options) {
 
         const std::vector<render::EyeImage> images = renderer->readBack();
         for (std::size_t eye = 0; eye < images.size(); ++eye)
-            writePictures(images[eye], options.out, view.name + (eyes == 1 ? "" : eye == 0 ? "-left" : "-right"), options.aux);
+            writePictures(images[eye], options.out,
+                          view.name + (eyes == 1  ? ""
+                                       : eye == 0 ? "-left"
+                                                  : "-right"),
+                          options.aux);
         progress.advance();
     }
-    const nlohmann::json settings{{"scene", options.scene.string()}, {"warp", options.warp},
-                                  {"width", drawn.width}, {"height", drawn.height}, {"eyes", eyes},
-                                  {"near_baseline", quality.preference.nearBaseline}, {"max_footprint", quality.maxFootprint},
+    const nlohmann::json settings{{"scene", options.scene.string()},
+                                  {"warp", options.warp},
+                                  {"width", drawn.width},
+                                  {"height", drawn.height},
+                                  {"eyes", eyes},
+                                  {"near_baseline", quality.preference.nearBaseline},
+                                  {"max_footprint", quality.maxFootprint},
                                   {"ipd_m", options.eyeDistanceMetres}};
     writeWhole(options.out / "report.json", report.summarise(device, gpuScene, settings).dump(1) + "\n");
 }

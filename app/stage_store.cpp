@@ -58,11 +58,14 @@ StageStore::StageStore(std::filesystem::path folder) : folder_(std::move(folder)
     if (lock_ < 0) throw scene::Failure("cannot be written", lockFile, kWriteRemedy);
     if (flock(lock_, LOCK_EX | LOCK_NB) != 0) {
         close(lock_);
-        throw scene::Failure("another build is writing this scene", folder_, "wait for it to end, or give another name with -o");
+        throw scene::Failure("another build is writing this scene", folder_,
+                             "wait for it to end, or give another name with -o");
     }
 }
 
-StageStore::~StageStore() { close(lock_); }
+StageStore::~StageStore() {
+    close(lock_);
+}
 
 std::filesystem::path StageStore::folderOf(const std::string& stage, const std::string& key) {
     const std::filesystem::path folder = folder_ / (stage + "-" + key);
@@ -101,7 +104,9 @@ void writeWhole(const std::filesystem::path& path, std::span<const std::byte> by
     moveInto(part, path);
 }
 
-void writeWhole(const std::filesystem::path& path, const std::string& text) { writeWhole(path, std::as_bytes(std::span(text))); }
+void writeWhole(const std::filesystem::path& path, const std::string& text) {
+    writeWhole(path, std::as_bytes(std::span(text)));
+}
 
 std::vector<std::byte> readWhole(const std::filesystem::path& path) {
     std::ifstream file(path, std::ios::binary | std::ios::ate);

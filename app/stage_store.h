@@ -1,6 +1,6 @@
 #pragma once
-// What the stages of a build leave behind, kept under keys made of their input and options: a build that was killed goes on where
-// it was, and a changed option redoes only what depends on it. The folder may be removed at any time.
+// What the stages of a build leave behind, kept under keys made of their input and options: a build that was killed
+// goes on where it was, and a changed option redoes only what depends on it. The folder may be removed at any time.
 
 #include <nlohmann/json.hpp>
 
@@ -29,8 +29,8 @@ class StageStore {
     /// FOLDER/STAGE-KEY, made if it is not there: for stages that keep a file for each item.
     std::filesystem::path folderOf(const std::string& stage, const std::string& key);
 
-    /// The folder of a result that consists of several files; if it is not there, `make` fills a temporary one, which gets the
-    /// name when it is whole.
+    /// The folder of a result that consists of several files; if it is not there, `make` fills a temporary one, which
+    /// gets the name when it is whole.
     std::filesystem::path find(const std::string& stage, const std::string& key,
                                const std::function<void(const std::filesystem::path&)>& make);
 

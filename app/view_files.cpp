@@ -26,7 +26,9 @@ json parse(const std::filesystem::path& path) {
 }
 
 /// A head's axes (x right, y up, z back) -> a camera's (x right, y down, z forward).
-scene::Pose headFromCamera() { return {glm::dmat3(1, 0, 0, 0, -1, 0, 0, 0, -1), glm::dvec3(0)}; }
+scene::Pose headFromCamera() {
+    return {glm::dmat3(1, 0, 0, 0, -1, 0, 0, 0, -1), glm::dvec3(0)};
+}
 
 std::string fileNameOf(std::string name) {
     for (char& c : name)
@@ -39,12 +41,14 @@ NamedView readCamera(const json& from, const std::string& where) {
     try {
         view.name = fileNameOf(from.at("name").get<std::string>());
         view.camera = {from.at("width").get<int>(), from.at("height").get<int>(), from.at("fx").get<double>(),
-                       from.at("fy").get<double>(), from.at("cx").get<double>(), from.at("cy").get<double>()};
+                       from.at("fy").get<double>(), from.at("cx").get<double>(),  from.at("cy").get<double>()};
         const auto values = from.at("world_from_camera").get<std::vector<double>>();
         glm::dmat4 m(0.0);
-        for (std::size_t i = 0; i < 16; ++i) m[static_cast<int>(i % 4)][static_cast<int>(i / 4)] = values.at(i);
+        for (std::size_t i = 0; i < 16; ++i)
+            m[static_cast<int>(i % 4)][static_cast<int>(i / 4)] = values.at(i);
         if (values.size() != 16 || !poseFromMatrix(m, 1e-3, view.worldFromCamera))
-            throw scene::Failure("world_from_camera is not a rigid 4x4 pose", where, "give 16 finite numbers, row by row, without scale");
+            throw scene::Failure("world_from_camera is not a rigid 4x4 pose", where,
+                                 "give 16 finite numbers, row by row, without scale");
     } catch (const json::exception& e) {
         throw scene::Failure(std::string("lacks something or has it wrong (") + e.what() + ")", where,
                              "a camera has name, width, height, fx, fy, cx, cy and world_from_camera");
@@ -52,7 +56,8 @@ NamedView readCamera(const json& from, const std::string& where) {
         throw scene::Failure("world_from_camera has fewer than 16 numbers", where, "give a 4x4 pose, row by row");
     }
     if (view.name.empty() || !isUsable(view.camera) || view.camera.width > kMaxSide || view.camera.height > kMaxSide)
-        throw scene::Failure("has no name, or intrinsics that are not usable", where, "correct name, width, height, fx, fy, cx, cy");
+        throw scene::Failure("has no name, or intrinsics that are not usable", where,
+                             "correct name, width, height, fx, fy, cx, cy");
     return view;
 }
 
@@ -61,11 +66,14 @@ scene::Pose readHead(const json& from, const std::string& where) {
         const auto p = from.at("position").get<std::vector<double>>();
         const auto q = from.at("orientation").get<std::vector<double>>();
         bool finite = p.size() == 3 && q.size() == 4;
-        for (const double v : p) finite = finite && std::isfinite(v);
+        for (const double v : p)
+            finite = finite && std::isfinite(v);
         double length = 0;
-        for (const double v : q) length += v * v;
+        for (const double v : q)
+            length += v * v;
         if (!finite || !(length > 1e-12) || !std::isfinite(length))
-            throw scene::Failure("is not a pose", where, "give a position [x, y, z] and a quaternion [x, y, z, w] that is not zero");
+            throw scene::Failure("is not a pose", where,
+                                 "give a position [x, y, z] and a quaternion [x, y, z, w] that is not zero");
         return scene::poseFromQuaternion({p[0], p[1], p[2]}, q[0], q[1], q[2], q[3]);
     } catch (const json::exception& e) {
         throw scene::Failure(std::string("lacks something or has it wrong (") + e.what() + ")", where,
@@ -85,11 +93,13 @@ std::vector<NamedView> readCamerasFile(const std::filesystem::path& path) {
     return views;
 }
 
-std::vector<NamedView> readPathFile(const std::filesystem::path& path, const scene::Pose& walkFromWorld, const scene::Camera& camera) {
+std::vector<NamedView> readPathFile(const std::filesystem::path& path, const scene::Pose& walkFromWorld,
+                                    const scene::Camera& camera) {
     const json root = parse(path);
     if (!root.is_object() || !root.contains("poses") || !root["poses"].is_array() || root["poses"].empty())
         throw scene::Failure("lists no poses", path, "write {\"space\": \"walk\", \"poses\": [...]}");
-    const std::string space = root.contains("space") && root["space"].is_string() ? root["space"].get<std::string>() : "";
+    const std::string space =
+        root.contains("space") && root["space"].is_string() ? root["space"].get<std::string>() : "";
     if (space != "walk" && space != "world")
         throw scene::Failure("does not say its space", path, "write \"space\": \"walk\" or \"world\"");
     const scene::Pose worldFromSpace = space == "walk" ? inverse(walkFromWorld) : scene::Pose{};
@@ -108,7 +118,8 @@ std::vector<NamedView> readPathFile(const std::filesystem::path& path, const sce
 
 std::vector<NamedView> heldOutViews(const scene::Scene& scene) {
     std::vector<NamedView> views;
-    for (const scene::SceneImage& image : scene.heldOut) views.push_back({image.name, image.camera, image.worldFromCamera, 0});
+    for (const scene::SceneImage& image : scene.heldOut)
+        views.push_back({image.name, image.camera, image.worldFromCamera, 0});
     return views;
 }
 

@@ -17,14 +17,15 @@ struct NamedView {
     double seconds = 0;
 };
 
-/// Cameras file: {"cameras": [{"name", "width", "height", "fx", "fy", "cx", "cy", "world_from_camera": [16, row-major]}]}.
-/// Throws scene::Failure naming the file and the camera.
+/// Cameras file: {"cameras": [{"name", "width", "height", "fx", "fy", "cx", "cy", "world_from_camera": [16,
+/// row-major]}]}. Throws scene::Failure naming the file and the camera.
 std::vector<NamedView> readCamerasFile(const std::filesystem::path& path);
 
-/// Path file: {"space": "walk"|"world", "poses": [{"t", "position": [x, y, z], "orientation": [x, y, z, w]}]}. In walk space a
-/// head has x right, y up, z back; in world space too, in the world's coordinates. Names are pose-0000, ...; the camera is the
-/// one given (cameras look along +z with y down). Throws scene::Failure.
-std::vector<NamedView> readPathFile(const std::filesystem::path& path, const scene::Pose& walkFromWorld, const scene::Camera& camera);
+/// Path file: {"space": "walk"|"world", "poses": [{"t", "position": [x, y, z], "orientation": [x, y, z, w]}]}. In walk
+/// space a head has x right, y up, z back; in world space too, in the world's coordinates. Names are pose-0000, ...;
+/// the camera is the one given (cameras look along +z with y down). Throws scene::Failure.
+std::vector<NamedView> readPathFile(const std::filesystem::path& path, const scene::Pose& walkFromWorld,
+                                    const scene::Camera& camera);
 
 /// The cameras kept out of the scene.
 std::vector<NamedView> heldOutViews(const scene::Scene& scene);

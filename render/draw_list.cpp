@@ -81,8 +81,7 @@ double sampleWidthInEye(const glm::dmat4& c, const glm::dvec3& boxMin, const glm
 
 void buildDrawList(std::span<const ResidentTile> tiles, const TileBounds& bounds, std::span<const TilePiece> pieces,
                    std::span<const glm::dmat4> eyeImagesFromSources, std::span<const glm::dvec3> eyeFromCameras,
-                   const VisibleTiles& visible,
-                   const Quality& quality, std::span<TileDraw> draws, DrawList& list) {
+                   const VisibleTiles& visible, const Quality& quality, std::span<TileDraw> draws, DrawList& list) {
     assert(tiles.size() < (std::size_t{1} << kTileBits));
     list.order.clear();
     list.levels.resize(tiles.size());

@@ -21,12 +21,12 @@ struct DrawList {
     std::vector<DrawRun> runs;
     std::uint32_t tiles = 0;
     std::uint64_t items = 0;          ///< samples (points) or mesh squares
-    std::vector<std::uint64_t> order;  ///< scratch, kept from frame to frame
+    std::vector<std::uint64_t> order; ///< scratch, kept from frame to frame
     std::vector<std::uint8_t> levels; ///< scratch: order level by the tile's number
 };
 
-/// What the warp of this tile needs, at an order level (scene/preference.h). C is multiplied out in double precision and only
-/// then rounded.
+/// What the warp of this tile needs, at an order level (scene/preference.h). C is multiplied out in double precision
+/// and only then rounded.
 TileDraw tileDrawOf(const glm::dmat4& eyeImageFromSource, const ResidentTile& tile, int orderLevel = 0);
 
 /// How wide, in pixels, squares must be so that no hole opens between neighbouring samples of one disparity: the larger

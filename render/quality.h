@@ -21,8 +21,8 @@ struct Quality {
     /// holes of surfaces that the eye sees more squarely than the camera did, and coarsens silhouettes.
     double footprintScale = 1.0;
 
-    /// Which of several samples of one surface is shown; directional tiles are drawn only with it. As it stands here: the
-    /// nearest in plain z order.
+    /// Which of several samples of one surface is shown; directional tiles are drawn only with it. As it stands here:
+    /// the nearest in plain z order.
     scene::PreferenceOptions preference{.nearBaseline = 0};
 };
 

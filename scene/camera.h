@@ -28,8 +28,7 @@ inline glm::dvec3 rayThrough(const Camera& camera, double x, double y) {
 
 /// Where a point before the camera (z > 0) is seen.
 inline glm::dvec2 project(const Camera& camera, const glm::dvec3& pInCamera) {
-    return {camera.fx * pInCamera.x / pInCamera.z + camera.cx,
-            camera.fy * pInCamera.y / pInCamera.z + camera.cy};
+    return {camera.fx * pInCamera.x / pInCamera.z + camera.cx, camera.fy * pInCamera.y / pInCamera.z + camera.cy};
 }
 
 /// True if sizes are positive and all numbers finite with positive focal lengths.

@@ -1,6 +1,7 @@
 #pragma once
-// The depth image: the scanner's or camera's own samples (x, y, disparity) with colour, flags and the camera that took them.
-// Nyland, McAllister, Popescu, McCue, Lastra: "Interactive exploration of acquired 3D data", 1999, sections 4.3 to 4.5.
+// The depth image: the scanner's or camera's own samples (x, y, disparity) with colour, flags and the camera that took
+// them. Nyland, McAllister, Popescu, McCue, Lastra: "Interactive exploration of acquired 3D data", 1999, sections 4.3
+// to 4.5.
 
 #include "scene/camera.h"
 #include "scene/image.h"
@@ -19,14 +20,15 @@ namespace scene {
 ///        |   /  lower |
 ///     (x, y+1) -- (x+1, y+1)
 enum SampleFlag : std::uint8_t {
-    kNoSurface = 1 << 0,     ///< no valid range: the sample is not there
-    kSkinUpper = 1 << 1,     ///< the upper triangle bridges a silhouette: a false surface
-    kSkinLower = 1 << 2,     ///< the lower triangle does
-    kFloating = 1 << 3,      ///< other images saw through this sample: it hangs in empty space
-    kRedundant = 1 << 4,     ///< another image keeps this piece of surface
-    kInterpolated = 1 << 5,  ///< resampled between scanner samples that belong to one surface
-    kNoColour = 1 << 6,      ///< the scanner took range only; colour is its intensity in grey, or mid-grey
-    kDirectional = 1 << 7,   ///< another image keeps this piece of surface, this sample is kept for how it looks from here
+    kNoSurface = 1 << 0,    ///< no valid range: the sample is not there
+    kSkinUpper = 1 << 1,    ///< the upper triangle bridges a silhouette: a false surface
+    kSkinLower = 1 << 2,    ///< the lower triangle does
+    kFloating = 1 << 3,     ///< other images saw through this sample: it hangs in empty space
+    kRedundant = 1 << 4,    ///< another image keeps this piece of surface
+    kInterpolated = 1 << 5, ///< resampled between scanner samples that belong to one surface
+    kNoColour = 1 << 6,     ///< the scanner took range only; colour is its intensity in grey, or mid-grey
+    kDirectional =
+        1 << 7, ///< another image keeps this piece of surface, this sample is kept for how it looks from here
 };
 
 /// All three images have the camera's size. disparity is 0 where there is no surface or it is infinitely far.
@@ -39,7 +41,9 @@ struct DepthImage {
     Image<std::uint8_t> flags;
 };
 
-inline bool isSurface(std::uint8_t flags) { return (flags & (kNoSurface | kFloating)) == 0; }
+inline bool isSurface(std::uint8_t flags) {
+    return (flags & (kNoSurface | kFloating)) == 0;
+}
 
 /// Bytes that the three pictures of such an image take.
 inline std::size_t bytesOf(const Camera& camera) {

@@ -48,7 +48,8 @@ void writePage(TIFF* tiff, const Image<T>& image, int bits, int channels, int fo
     TIFFSetField(tiff, TIFFTAG_PLANARCONFIG, PLANARCONFIG_CONTIG);
     TIFFSetField(tiff, TIFFTAG_COMPRESSION, COMPRESSION_ADOBE_DEFLATE);
     TIFFSetField(tiff, TIFFTAG_ZIPQUALITY, kDeflateLevel);
-    TIFFSetField(tiff, TIFFTAG_PREDICTOR, format == SAMPLEFORMAT_IEEEFP ? PREDICTOR_FLOATINGPOINT : PREDICTOR_HORIZONTAL);
+    TIFFSetField(tiff, TIFFTAG_PREDICTOR,
+                 format == SAMPLEFORMAT_IEEEFP ? PREDICTOR_FLOATINGPOINT : PREDICTOR_HORIZONTAL);
     TIFFSetField(tiff, TIFFTAG_ROWSPERSTRIP, kRowsPerStrip);
     if (description) TIFFSetField(tiff, TIFFTAG_IMAGEDESCRIPTION, description->c_str());
     // libtiff's predictors work in the caller's memory.
@@ -155,11 +156,20 @@ std::string describe(const DepthImage& image, const std::filesystem::path& path)
     const glm::dmat4 m = toMatrix(image.worldFromCamera);
     json matrix = json::array();
     for (int row = 0; row < 4; ++row)
-        for (int column = 0; column < 4; ++column) matrix.push_back(m[column][row]);
+        for (int column = 0; column < 4; ++column)
+            matrix.push_back(m[column][row]);
     const Camera& c = image.camera;
-    json root = {{"revisit", "depth image"}, {"version", 1}, {"name", image.name}, {"width", c.width}, {"height", c.height},
-            {"fx", c.fx}, {"fy", c.fy}, {"cx", c.cx}, {"cy", c.cy}, {"world_from_camera", matrix},
-            {"checksum", checksumOf(image)}};
+    json root = {{"revisit", "depth image"},
+                 {"version", 1},
+                 {"name", image.name},
+                 {"width", c.width},
+                 {"height", c.height},
+                 {"fx", c.fx},
+                 {"fy", c.fy},
+                 {"cx", c.cx},
+                 {"cy", c.cy},
+                 {"world_from_camera", matrix},
+                 {"checksum", checksumOf(image)}};
     try {
         root["description_checksum"] = checksumOf(root);
         return root.dump();
@@ -176,20 +186,23 @@ std::string readDescription(TIFF* tiff, DepthImage& image, const std::filesystem
     try {
         json root = json::parse(text);
         if (root.at("revisit") != "depth image") throw Failure("is no depth image", path, kReadRemedy);
-        if (root.at("version") != 1) throw Failure("is of another version", path, "build the scene again with this Revisit");
+        if (root.at("version") != 1)
+            throw Failure("is of another version", path, "build the scene again with this Revisit");
         const auto written = root.at("description_checksum").get<std::string>();
         root.erase("description_checksum");
         if (checksumOf(root) != written)
             throw Failure("has a description that has changed since it was written", path, kReadRemedy);
         image.name = root.at("name").get<std::string>();
         image.camera = {root.at("width").get<int>(), root.at("height").get<int>(), root.at("fx").get<double>(),
-                        root.at("fy").get<double>(), root.at("cx").get<double>(), root.at("cy").get<double>()};
+                        root.at("fy").get<double>(), root.at("cx").get<double>(),  root.at("cy").get<double>()};
         const auto values = root.at("world_from_camera").get<std::vector<double>>();
         glm::dmat4 m(0.0);
-        for (std::size_t i = 0; i < 16; ++i) m[static_cast<int>(i % 4)][static_cast<int>(i / 4)] = values.at(i);
+        for (std::size_t i = 0; i < 16; ++i)
+            m[static_cast<int>(i % 4)][static_cast<int>(i / 4)] = values.at(i);
         constexpr double kTolerance = 1e-6;
-        const bool usable = isUsable(image.camera) && image.camera.width <= kMaxSide && image.camera.height <= kMaxSide &&
-                            values.size() == 16 && poseFromMatrix(m, kTolerance, image.worldFromCamera);
+        const bool usable = isUsable(image.camera) && image.camera.width <= kMaxSide &&
+                            image.camera.height <= kMaxSide && values.size() == 16 &&
+                            poseFromMatrix(m, kTolerance, image.worldFromCamera);
         if (!usable) throw Failure("has a camera that is not usable", path, kReadRemedy);
         return root.at("checksum").get<std::string>();
     } catch (const json::exception&) {
@@ -203,12 +216,14 @@ void nextPage(TIFF* tiff, const std::filesystem::path& path) {
     if (TIFFReadDirectory(tiff) != 1) throw Failure("lacks a page", path, kReadRemedy);
 }
 
-/// A file that claims more pixels than its bytes can hold even at deflate's best is damaged; found out before memory is taken.
+/// A file that claims more pixels than its bytes can hold even at deflate's best is damaged; found out before memory is
+/// taken.
 void checkSize(const Camera& camera, const std::filesystem::path& path) {
     constexpr std::uintmax_t kBestRatio = 1100;
     std::error_code error;
     const std::uintmax_t bytes = std::filesystem::file_size(path, error);
-    if (error || bytesOf(camera) > bytes * kBestRatio) throw Failure("is too short for its size in pixels", path, kReadRemedy);
+    if (error || bytesOf(camera) > bytes * kBestRatio)
+        throw Failure("is too short for its size in pixels", path, kReadRemedy);
 }
 
 } // namespace
@@ -234,9 +249,11 @@ DepthImage readDepthTiff(const std::filesystem::path& path) {
     image.disparity = readPage<float>(tiff.get(), width, height, 32, 1, path);
     nextPage(tiff.get(), path);
     image.flags = readPage<std::uint8_t>(tiff.get(), width, height, 8, 1, path);
-    if (checksumOf(image) != checksum) throw Failure("has changed since it was written: its checksum differs", path, kReadRemedy);
+    if (checksumOf(image) != checksum)
+        throw Failure("has changed since it was written: its checksum differs", path, kReadRemedy);
     for (const float disparity : image.disparity.pixels())
-        if (!std::isfinite(disparity) || disparity < 0) throw Failure("holds a disparity that is no number", path, kReadRemedy);
+        if (!std::isfinite(disparity) || disparity < 0)
+            throw Failure("holds a disparity that is no number", path, kReadRemedy);
     return image;
 }
 
@@ -265,7 +282,8 @@ Image<std::uint8_t> readFlagsTiff(const std::filesystem::path& path, const Camer
     Image<std::uint8_t> flags = readPage<std::uint8_t>(tiff.get(), camera.width, camera.height, 8, 1, path);
     Checksum sum;
     sum.add(flags);
-    if (sum.text() != checksum) throw Failure("has changed since it was written: its checksum differs", path, kReadRemedy);
+    if (sum.text() != checksum)
+        throw Failure("has changed since it was written: its checksum differs", path, kReadRemedy);
     return flags;
 }
 

@@ -3,9 +3,9 @@
 //
 //   page 1  colour, 8 bit RGB         page 2  disparity, 32 bit float, 1/m       page 3  flags, 8 bit
 //
-// Each page is deflated in strips. The first page's ImageDescription is JSON: {"revisit": "depth image", "version": 1, "name",
-// "width", "height", "fx", "fy", "cx", "cy", "world_from_camera": [16, row-major], "checksum": "xxh3-64 of the three pages",
-// "description_checksum": "xxh3-64 of all this without itself, dumped with sorted keys and no spaces"}.
+// Each page is deflated in strips. The first page's ImageDescription is JSON: {"revisit": "depth image", "version": 1,
+// "name", "width", "height", "fx", "fy", "cx", "cy", "world_from_camera": [16, row-major], "checksum": "xxh3-64 of the
+// three pages", "description_checksum": "xxh3-64 of all this without itself, dumped with sorted keys and no spaces"}.
 
 #include "scene/depth_image.h"
 
@@ -13,7 +13,8 @@
 
 namespace scene {
 
-/// Writes under a temporary name beside path and renames: the file is whole or not there. Throws Failure (disk full, ...).
+/// Writes under a temporary name beside path and renames: the file is whole or not there. Throws Failure (disk full,
+/// ...).
 void writeDepthTiff(const DepthImage& image, const std::filesystem::path& path);
 
 /// Reads what writeDepthTiff wrote; everything is checked before it is used. Throws Failure with path and cause.

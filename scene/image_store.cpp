@@ -10,7 +10,8 @@ namespace scene {
 
 ImageStore::ImageStore(std::vector<StoredImage> images, std::size_t budgetBytes) : budgetBytes_(budgetBytes) {
     entries_.resize(images.size());
-    for (std::size_t i = 0; i < images.size(); ++i) entries_[i].stored = std::move(images[i]);
+    for (std::size_t i = 0; i < images.size(); ++i)
+        entries_[i].stored = std::move(images[i]);
 }
 
 ImageStore::ImageStore(std::vector<DepthImage> images) : budgetBytes_(std::numeric_limits<std::size_t>::max()) {

@@ -11,7 +11,8 @@
 
 namespace scene {
 
-/// Where an image lies, and what can be known without its pixels. A flags file, if named, replaces the flags of the image.
+/// Where an image lies, and what can be known without its pixels. A flags file, if named, replaces the flags of the
+/// image.
 struct StoredImage {
     std::string name;
     Camera camera;
@@ -19,8 +20,8 @@ struct StoredImage {
     std::filesystem::path file, flagsFile;
 };
 
-/// Reads depth image files on demand from any thread. Images that nobody holds are dropped, least recently used first, when
-/// the budget is full; what is held is never dropped, even beyond the budget.
+/// Reads depth image files on demand from any thread. Images that nobody holds are dropped, least recently used first,
+/// when the budget is full; what is held is never dropped, even beyond the budget.
 class ImageStore {
   public:
     ImageStore(std::vector<StoredImage> images, std::size_t budgetBytes);
@@ -57,7 +58,8 @@ class ImageStore {
 /// The right to read one image of the store while this lives.
 class ImageStore::Lease {
   public:
-    Lease(Lease&& other) noexcept : store_(std::exchange(other.store_, nullptr)), index_(other.index_), image_(other.image_) {}
+    Lease(Lease&& other) noexcept
+        : store_(std::exchange(other.store_, nullptr)), index_(other.index_), image_(other.image_) {}
     Lease(const Lease&) = delete;
     Lease& operator=(Lease&&) = delete;
     ~Lease() {
@@ -68,7 +70,8 @@ class ImageStore::Lease {
 
   private:
     friend class ImageStore;
-    Lease(ImageStore* store, std::size_t index, const DepthImage* image) : store_(store), index_(index), image_(image) {}
+    Lease(ImageStore* store, std::size_t index, const DepthImage* image)
+        : store_(store), index_(index), image_(image) {}
     ImageStore* store_;
     std::size_t index_;
     const DepthImage* image_;

@@ -15,11 +15,12 @@ TileMiddle middleOf(const Tile& tile, const Camera& camera, const Pose& worldFro
 
 std::optional<int> orderLevelOf(const Tile& tile, const Camera& camera, const Pose& worldFromCamera, const View& eye,
                                 const PreferenceOptions& options) {
-    return orderLevelOf(middleOf(tile, camera, worldFromCamera), eye.worldFromEye.translation - worldFromCamera.translation,
-                        options);
+    return orderLevelOf(middleOf(tile, camera, worldFromCamera),
+                        eye.worldFromEye.translation - worldFromCamera.translation, options);
 }
 
-std::optional<int> orderLevelOf(const TileMiddle& middle, const glm::dvec3& eyeFromCamera, const PreferenceOptions& options) {
+std::optional<int> orderLevelOf(const TileMiddle& middle, const glm::dvec3& eyeFromCamera,
+                                const PreferenceOptions& options) {
     if (options.nearBaseline <= 0) {
         if (middle.tier == Tier::base) return 0;
         return std::nullopt;

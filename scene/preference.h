@@ -1,13 +1,14 @@
 #pragma once
-// Which of several samples of one surface is shown. Registered images are off by millimetres, and appearance depends on direction:
-// of samples that mean the same surface the one taken from nearest to the eye looks best, and the one sampled best often does not.
+// Which of several samples of one surface is shown. Registered images are off by millimetres, and appearance depends on
+// direction: of samples that mean the same surface the one taken from nearest to the eye looks best, and the one
+// sampled best often does not.
 //
-// The z-buffer orders by disparity. A tile's samples enter it pushed back by an order level, in the manner of Nyland et al. 1999,
-// section 5.3 (Z' = Z + k area, composition by confidence), so that composition stays independent of order; the level is stored in
-// the key and taken back when depth is read, so what is shown stands at its measured depth. Tiles taken from near the eye are
-// pushed by little; the others by kMaxOrderLevel, up to twice their depth. What is pushed can then be hidden by a surface
-// behind it, but only by one that a camera near the eye saw, and so saw nothing before it: the error is the parallax between that
-// camera and the eye, at most nearBaseline / 2 of the depth.
+// The z-buffer orders by disparity. A tile's samples enter it pushed back by an order level, in the manner of Nyland et
+// al. 1999, section 5.3 (Z' = Z + k area, composition by confidence), so that composition stays independent of order;
+// the level is stored in the key and taken back when depth is read, so what is shown stands at its measured depth.
+// Tiles taken from near the eye are pushed by little; the others by kMaxOrderLevel, up to twice their depth. What is
+// pushed can then be hidden by a surface behind it, but only by one that a camera near the eye saw, and so saw nothing
+// before it: the error is the parallax between that camera and the eye, at most nearBaseline / 2 of the depth.
 
 #include "scene/tile.h"
 #include "scene/view.h"
@@ -19,16 +20,20 @@ namespace scene {
 inline constexpr int kMaxOrderLevel = 63;
 
 /// Depth at order level L is multiplied by 1 + L / kMaxOrderLevel in the z-buffer's order.
-inline float orderScale(int level) { return 1.f + static_cast<float>(level) / static_cast<float>(kMaxOrderLevel); }
+inline float orderScale(int level) {
+    return 1.f + static_cast<float>(level) / static_cast<float>(kMaxOrderLevel);
+}
 
 struct PreferenceOptions {
-    /// A camera is near the eye, for a surface, if it stands no farther from the eye than this share of the eye's distance to
-    /// the surface. Directional tiles are drawn only where their camera is near. 0: plain z order, base tiles alone.
+    /// A camera is near the eye, for a surface, if it stands no farther from the eye than this share of the eye's
+    /// distance to the surface. Directional tiles are drawn only where their camera is near. 0: plain z order, base
+    /// tiles alone.
     float nearBaseline = 0.1f;
     int nearLevels = 6; ///< order levels over which near cameras are told apart
 };
 
-/// Where a tile's middle is, for a camera: rayInWorld is the ray of depth 1 through it, turned into the world; disparity in 1/m.
+/// Where a tile's middle is, for a camera: rayInWorld is the ray of depth 1 through it, turned into the world;
+/// disparity in 1/m.
 struct TileMiddle {
     Tier tier = Tier::base;
     glm::dvec3 rayInWorld{0};
@@ -37,9 +42,10 @@ struct TileMiddle {
 
 TileMiddle middleOf(const Tile& tile, const Camera& camera, const Pose& worldFromCamera);
 
-/// The tile's order level for an eye that stands eyeFromCamera (metres, in the world) away from its camera; nothing if it is not
-/// drawn.
-std::optional<int> orderLevelOf(const TileMiddle& middle, const glm::dvec3& eyeFromCamera, const PreferenceOptions& options);
+/// The tile's order level for an eye that stands eyeFromCamera (metres, in the world) away from its camera; nothing if
+/// it is not drawn.
+std::optional<int> orderLevelOf(const TileMiddle& middle, const glm::dvec3& eyeFromCamera,
+                                const PreferenceOptions& options);
 
 /// The same, all at once.
 std::optional<int> orderLevelOf(const Tile& tile, const Camera& camera, const Pose& worldFromCamera, const View& eye,

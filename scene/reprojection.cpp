@@ -29,8 +29,12 @@ int floorOf(float value) {
 Corners cornersAbout(const Camera& camera, float u, float v) {
     const int x = floorOf(u - 0.5f), y = floorOf(v - 0.5f);
     const auto left = static_cast<float>(x), top = static_cast<float>(y);
-    return {std::clamp(x, 0, camera.width - 1), std::clamp(y, 0, camera.height - 1), std::clamp(x + 1, 0, camera.width - 1),
-            std::clamp(y + 1, 0, camera.height - 1), u - 0.5f - left, v - 0.5f - top};
+    return {std::clamp(x, 0, camera.width - 1),
+            std::clamp(y, 0, camera.height - 1),
+            std::clamp(x + 1, 0, camera.width - 1),
+            std::clamp(y + 1, 0, camera.height - 1),
+            u - 0.5f - left,
+            v - 0.5f - top};
 }
 
 /// Greatest disparity (the nearest surface) among the 3x3 samples about a pixel; 0 if none has one.
@@ -47,8 +51,8 @@ float nearestAbout(const DepthImage& image, int x, int y) {
 Comparison compareAnywhere(const DepthImage& target, const Sighting& sighting, const ComparisonOptions& options) {
     Comparison result;
     const Camera& camera = target.camera;
-    if (!(sighting.w > 0) || !(sighting.u >= 0) || !(sighting.v >= 0) || !(sighting.u < static_cast<float>(camera.width)) ||
-        !(sighting.v < static_cast<float>(camera.height)))
+    if (!(sighting.w > 0) || !(sighting.u >= 0) || !(sighting.v >= 0) ||
+        !(sighting.u < static_cast<float>(camera.width)) || !(sighting.v < static_cast<float>(camera.height)))
         return result;
 
     const Corners at = cornersAbout(camera, sighting.u, sighting.v);

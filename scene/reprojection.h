@@ -1,6 +1,6 @@
 #pragma once
-// The primitive under everything: take a sample of depth image A to where depth image B sees it, and compare disparities.
-// McMillan and Bishop: "Plenoptic modeling", 1995; Nyland et al. 1999, sections 4.4 and 4.6.
+// The primitive under everything: take a sample of depth image A to where depth image B sees it, and compare
+// disparities. McMillan and Bishop: "Plenoptic modeling", 1995; Nyland et al. 1999, sections 4.4 and 4.6.
 
 #include "scene/depth_image.h"
 #include "scene/view.h"
@@ -12,8 +12,8 @@
 
 namespace scene {
 
-/// C = P V M of a pair in the form that costs three multiply-adds a sample: h = origin + x columnX + y columnY + d columnD =
-/// (u w, v w, w), composed in double precision and only then rounded.
+/// C = P V M of a pair in the form that costs three multiply-adds a sample: h = origin + x columnX + y columnY + d
+/// columnD = (u w, v w, w), composed in double precision and only then rounded.
 struct Reprojection {
     glm::vec3 origin, columnX, columnY, columnD;
 };
@@ -46,13 +46,14 @@ enum class Relation {
 
 struct Comparison {
     Relation relation = Relation::outside;
-    float disparity = 0; ///< of B's surface at (u, v), where B has one; bilinear within a surface
+    float disparity = 0;   ///< of B's surface at (u, v), where B has one; bilinear within a surface
     bool isSmooth = false; ///< the four samples of B about (u, v) are one surface: bilinear was used
 };
 
 struct ComparisonOptions {
     float sameSurface = 0.02f; ///< relative difference in disparity up to which two samples are one surface
-    float pixelError = 1.0f;   ///< how many pixels B's samples may be misplaced: B's own slope over so many is allowed for
+    float pixelError =
+        1.0f; ///< how many pixels B's samples may be misplaced: B's own slope over so many is allowed for
 };
 
 /// How much disparity may change between four samples of one surface. A surface may be steep, but a step of several
@@ -61,7 +62,8 @@ inline float smoothSlope(const ComparisonOptions& options, float highest) {
     return 4 * options.sameSurface * highest;
 }
 
-/// Soft depth comparison. inFront is only said where every sample of B about (u, v), 3x3, is farther: the paper's wide lines.
+/// Soft depth comparison. inFront is only said where every sample of B about (u, v), 3x3, is farther: the paper's wide
+/// lines.
 Comparison compareWith(const DepthImage& target, const Sighting& sighting, const ComparisonOptions& options);
 
 /// The same, wherever the sighting is: what compareWith asks when the four samples about it are no surface within the
@@ -71,7 +73,8 @@ Comparison compareAnywhere(const DepthImage& target, const Sighting& sighting, c
 /// Whether every sample of B about the sighting is farther than it by more than tolerance.
 bool isBeforeAllAbout(const DepthImage& target, const Sighting& sighting, float tolerance);
 
-/// B's colour at (u, v): bilinear; call where compareWith found a smooth surface. Linear in the stored values, 0 to 255.
+/// B's colour at (u, v): bilinear; call where compareWith found a smooth surface. Linear in the stored values, 0 to
+/// 255.
 glm::vec3 colourAt(const DepthImage& target, float u, float v);
 
 // Inline, since the stages of refine compare every sample with every partner. The parts of the result stay apart until

@@ -21,12 +21,10 @@ struct Scan {
     Pose worldFromScanner;
     int rows = 0, columns = 0;
     std::vector<glm::vec3> pointsInScanner;
-    std::vector<Rgb8>
-        colours; ///< one for each point; from intensity (grey) or mid-grey where the scan has no colour
+    std::vector<Rgb8> colours; ///< one for each point; from intensity (grey) or mid-grey where the scan has no colour
     bool hasColour = false;
     std::vector<std::int32_t> row, column;
-    std::int64_t invalidPoints =
-        0; ///< points the file marks invalid or that are not finite; not among the points
+    std::int64_t invalidPoints = 0; ///< points the file marks invalid or that are not finite; not among the points
 };
 
 } // namespace scene

@@ -44,7 +44,8 @@ std::vector<double> heightsOf(const std::vector<TileBlock>& blocks, const glm::d
                 const TileVertex& vertex = block.vertices[tile.firstVertex + i];
                 const double disparity = disparityOf(tile, vertex);
                 if (!(disparity > 0)) continue;
-                const glm::dvec3 ray = rayThrough(block.camera, tile.x0 + (vertex.place & 63u) + 0.5, tile.y0 + (vertex.place >> 6 & 63u) + 0.5);
+                const glm::dvec3 ray = rayThrough(block.camera, tile.x0 + (vertex.place & 63u) + 0.5,
+                                                  tile.y0 + (vertex.place >> 6 & 63u) + 0.5);
                 heights.push_back(glm::dot(up, block.worldFromCamera * (ray / disparity)));
             }
         }
@@ -54,7 +55,8 @@ std::vector<double> heightsOf(const std::vector<TileBlock>& blocks, const glm::d
 
 } // namespace
 
-Pose findWalkSpace(const std::vector<SceneImage>& images, const std::vector<TileBlock>& blocks, const glm::dvec3& uprightInWorld) {
+Pose findWalkSpace(const std::vector<SceneImage>& images, const std::vector<TileBlock>& blocks,
+                   const glm::dvec3& uprightInWorld) {
     if (images.empty()) return {};
     const glm::dvec3 up = glm::length(uprightInWorld) > 0 ? glm::normalize(uprightInWorld) : findUpright(images);
     const Pose& first = images.front().worldFromCamera;
@@ -68,7 +70,9 @@ Pose findWalkSpace(const std::vector<SceneImage>& images, const std::vector<Tile
     const std::vector<double> heights = heightsOf(blocks, up);
     const double eyeHeight = glm::dot(up, first.translation);
     constexpr double kFloorShare = 0.02; // lower samples are strays
-    double floor = heights.empty() ? eyeHeight - 1.6 : heights[static_cast<std::size_t>(kFloorShare * static_cast<double>(heights.size()))];
+    double floor = heights.empty()
+                       ? eyeHeight - 1.6
+                       : heights[static_cast<std::size_t>(kFloorShare * static_cast<double>(heights.size()))];
     floor = std::min(floor, eyeHeight);
 
     Pose worldFromWalk;

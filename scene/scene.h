@@ -28,9 +28,10 @@ struct Scene {
     std::vector<TileBlock> blocks; ///< one for each image, in the same order
 };
 
-/// Walk space for a capture: up is what the cameras hold upright on average (their x axes lie level), the floor is the lowest
-/// surface with a fair share of samples, the origin is on the floor under the first camera, which looks towards -Z.
-/// uprightInWorld: the capture's own up if its format has one (scans: +Z), else zero.
-Pose findWalkSpace(const std::vector<SceneImage>& images, const std::vector<TileBlock>& blocks, const glm::dvec3& uprightInWorld);
+/// Walk space for a capture: up is what the cameras hold upright on average (their x axes lie level), the floor is the
+/// lowest surface with a fair share of samples, the origin is on the floor under the first camera, which looks towards
+/// -Z. uprightInWorld: the capture's own up if its format has one (scans: +Z), else zero.
+Pose findWalkSpace(const std::vector<SceneImage>& images, const std::vector<TileBlock>& blocks,
+                   const glm::dvec3& uprightInWorld);
 
 } // namespace scene

@@ -45,7 +45,9 @@ struct BlockEntry {
 };
 static_assert(sizeof(BlockEntry) == 32);
 
-std::uint64_t checksumOf(std::span<const std::byte> bytes) { return XXH3_64bits(bytes.data(), bytes.size()); }
+std::uint64_t checksumOf(std::span<const std::byte> bytes) {
+    return XXH3_64bits(bytes.data(), bytes.size());
+}
 
 template <class T>
 std::span<const std::byte> bytesOf(const T& value) {
@@ -57,24 +59,33 @@ std::uint64_t blockBytes(const BlockEntry& entry) {
            std::uint64_t{entry.quadCount} * sizeof(TileQuad);
 }
 
-std::uint64_t aligned(std::uint64_t offset) { return (offset + kAlignment - 1) / kAlignment * kAlignment; }
+std::uint64_t aligned(std::uint64_t offset) {
+    return (offset + kAlignment - 1) / kAlignment * kAlignment;
+}
 
-/// The arrays one after another behind `room` bytes for a head. Tiles come first and have 40 bytes, so all are aligned to 8.
+/// The arrays one after another behind `room` bytes for a head. Tiles come first and have 40 bytes, so all are aligned
+/// to 8.
 std::vector<std::byte> blockOf(const TileSet& set, std::size_t room = 0) {
     const std::array parts{std::as_bytes(std::span(set.tiles)), std::as_bytes(std::span(set.vertices)),
                            std::as_bytes(std::span(set.quads))};
     std::vector<std::byte> bytes(room + parts[0].size() + parts[1].size() + parts[2].size());
     std::byte* at = bytes.data() + room;
-    for (const auto& part : parts) at = std::copy(part.begin(), part.end(), at);
+    for (const auto& part : parts)
+        at = std::copy(part.begin(), part.end(), at);
     return bytes;
 }
 
 BlockEntry entryOf(const TileSet& set, std::uint64_t offset, std::span<const std::byte> block) {
-    return {offset, static_cast<std::uint32_t>(set.tiles.size()), static_cast<std::uint32_t>(set.vertices.size()),
-            static_cast<std::uint32_t>(set.quads.size()), 0, checksumOf(block)};
+    return {offset,
+            static_cast<std::uint32_t>(set.tiles.size()),
+            static_cast<std::uint32_t>(set.vertices.size()),
+            static_cast<std::uint32_t>(set.quads.size()),
+            0,
+            checksumOf(block)};
 }
 
-/// Throws unless every index in the block stays inside it and every number is finite: a renderer may then trust it blindly.
+/// Throws unless every index in the block stays inside it and every number is finite: a renderer may then trust it
+/// blindly.
 void checkBlock(const TileBlock& block, const std::string& where) {
     const auto require = [&](bool holds, const char* what) {
         if (!holds) throw Failure(std::string("has a tile with ") + what, where, kRemedy);
@@ -98,29 +109,33 @@ void checkBlock(const TileBlock& block, const std::string& where) {
     }
 }
 
-TileBlock lendBlock(std::span<const std::byte> bytes, const BlockEntry& entry, const Camera& camera, const Pose& worldFromCamera) {
+TileBlock lendBlock(std::span<const std::byte> bytes, const BlockEntry& entry, const Camera& camera,
+                    const Pose& worldFromCamera) {
     const std::byte* at = bytes.data();
     const auto* tiles = reinterpret_cast<const Tile*>(at);
     const auto* vertices = reinterpret_cast<const TileVertex*>(at + entry.tileCount * sizeof(Tile));
-    const auto* quads = reinterpret_cast<const TileQuad*>(at + entry.tileCount * sizeof(Tile) + entry.vertexCount * sizeof(TileVertex));
+    const auto* quads =
+        reinterpret_cast<const TileQuad*>(at + entry.tileCount * sizeof(Tile) + entry.vertexCount * sizeof(TileVertex));
     return {camera, worldFromCamera, {tiles, entry.tileCount}, {vertices, entry.vertexCount}, {quads, entry.quadCount}};
 }
 
-std::vector<BlockEntry> readTable(std::span<const std::byte> file, const std::filesystem::path& path, std::size_t blockCount) {
+std::vector<BlockEntry> readTable(std::span<const std::byte> file, const std::filesystem::path& path,
+                                  std::size_t blockCount) {
     if (file.size() < sizeof(FileHeader)) throw Failure("is cut off in its header", path, kRemedy);
     FileHeader header;
     std::memcpy(&header, file.data(), sizeof header);
     if (header.magic != kMagic) throw Failure("is not a file of tiles", atByte(path, 0), kRemedy);
     if (header.version != kVersion)
-        throw Failure("is of version " + std::to_string(header.version) + ", not " + std::to_string(kVersion), atByte(path, 8),
-                      "build the scene again with this Revisit");
+        throw Failure("is of version " + std::to_string(header.version) + ", not " + std::to_string(kVersion),
+                      atByte(path, 8), "build the scene again with this Revisit");
     if (header.byteOrderMark != kByteOrderMark || header.checksum != checksumOf(bytesOf(header).first(56)))
         throw Failure("has a damaged header", atByte(path, 12), kRemedy);
     if (header.fileSize != file.size())
-        throw Failure("has " + std::to_string(file.size()) + " bytes instead of " + std::to_string(header.fileSize), path, kRemedy);
+        throw Failure("has " + std::to_string(file.size()) + " bytes instead of " + std::to_string(header.fileSize),
+                      path, kRemedy);
     if (header.blockCount != blockCount)
-        throw Failure("holds " + std::to_string(header.blockCount) + " blocks but scene.json lists " + std::to_string(blockCount) +
-                          " images",
+        throw Failure("holds " + std::to_string(header.blockCount) + " blocks but scene.json lists " +
+                          std::to_string(blockCount) + " images",
                       path, kRemedy);
     const std::uint64_t tableBytes = blockCount * sizeof(BlockEntry);
     if (sizeof header + tableBytes + sizeof(std::uint64_t) > file.size())
@@ -129,9 +144,11 @@ std::vector<BlockEntry> readTable(std::span<const std::byte> file, const std::fi
     if (tableBytes > 0) std::memcpy(table.data(), file.data() + sizeof header, tableBytes);
     std::uint64_t checksum = 0;
     std::memcpy(&checksum, file.data() + sizeof header + tableBytes, sizeof checksum);
-    if (checksum != checksumOf(std::as_bytes(std::span(table)))) throw Failure("has a damaged table", atByte(path, sizeof header), kRemedy);
+    if (checksum != checksumOf(std::as_bytes(std::span(table))))
+        throw Failure("has a damaged table", atByte(path, sizeof header), kRemedy);
     for (const BlockEntry& entry : table)
-        if (entry.offset % kAlignment != 0 || entry.offset > file.size() || blockBytes(entry) > file.size() - entry.offset)
+        if (entry.offset % kAlignment != 0 || entry.offset > file.size() ||
+            blockBytes(entry) > file.size() - entry.offset)
             throw Failure("has a block beyond its end", atByte(path, entry.offset), kRemedy);
     return table;
 }
@@ -142,7 +159,8 @@ SceneImage readImage(const json& from) {
                       from.at("fy").get<double>(), from.at("cx").get<double>(), from.at("cy").get<double>()},
                      {}};
     glm::dmat4 matrix(0.0);
-    for (int i = 0; i < 16; ++i) matrix[i % 4][i / 4] = from.at("world_from_camera").at(static_cast<std::size_t>(i)).get<double>();
+    for (int i = 0; i < 16; ++i)
+        matrix[i % 4][i / 4] = from.at("world_from_camera").at(static_cast<std::size_t>(i)).get<double>();
     if (!isUsable(image.camera) || !poseFromMatrix(matrix, 1e-6, image.worldFromCamera))
         throw Failure("has a camera that is not usable", image.name, kRemedy);
     return image;
@@ -150,18 +168,23 @@ SceneImage readImage(const json& from) {
 
 void readManifest(Scene& scene, const std::filesystem::path& path) {
     std::ifstream file(path);
-    if (!file)
-        throw Failure("holds no scene.json", scene.folder, "name a folder that 'revisit build' made");
+    if (!file) throw Failure("holds no scene.json", scene.folder, "name a folder that 'revisit build' made");
     scene.manifest.assign(std::istreambuf_iterator<char>(file), {});
     try {
         const json root = json::parse(scene.manifest);
-        if (root.at("revisit") != "scene") throw Failure("is no scene", path, "name a folder that 'revisit build' made");
-        if (root.at("version") != 1) throw Failure("is of another version", path, "build the scene again with this Revisit");
-        for (const json& image : root.at("images")) scene.images.push_back(readImage(image));
-        for (const json& image : root.at("held_out")) scene.heldOut.push_back(readImage(image));
+        if (root.at("revisit") != "scene")
+            throw Failure("is no scene", path, "name a folder that 'revisit build' made");
+        if (root.at("version") != 1)
+            throw Failure("is of another version", path, "build the scene again with this Revisit");
+        for (const json& image : root.at("images"))
+            scene.images.push_back(readImage(image));
+        for (const json& image : root.at("held_out"))
+            scene.heldOut.push_back(readImage(image));
         glm::dmat4 matrix(0.0);
-        for (int i = 0; i < 16; ++i) matrix[i % 4][i / 4] = root.at("walk_from_world").at(static_cast<std::size_t>(i)).get<double>();
-        if (!poseFromMatrix(matrix, 1e-6, scene.walkFromWorld)) throw Failure("has no usable walk_from_world", path, kRemedy);
+        for (int i = 0; i < 16; ++i)
+            matrix[i % 4][i / 4] = root.at("walk_from_world").at(static_cast<std::size_t>(i)).get<double>();
+        if (!poseFromMatrix(matrix, 1e-6, scene.walkFromWorld))
+            throw Failure("has no usable walk_from_world", path, kRemedy);
     } catch (const json::parse_error& e) {
         throw Failure("is not valid JSON", atByte(path, e.byte), kRemedy);
     } catch (const json::exception& e) {
@@ -184,7 +207,8 @@ TileSet unpackTiles(std::span<const std::byte> packed, const std::string& where)
     if (packed.size() < sizeof entry) throw Failure("is cut off", where, kRemedy);
     std::memcpy(&entry, packed.data(), sizeof entry);
     const std::span<const std::byte> bytes = packed.subspan(sizeof entry);
-    if (blockBytes(entry) != bytes.size() || checksumOf(bytes) != entry.checksum) throw Failure("is damaged", where, kRemedy);
+    if (blockBytes(entry) != bytes.size() || checksumOf(bytes) != entry.checksum)
+        throw Failure("is damaged", where, kRemedy);
     TileSet set;
     set.tiles.resize(entry.tileCount), set.vertices.resize(entry.vertexCount), set.quads.resize(entry.quadCount);
     auto copy = [at = bytes.data()](auto& array) mutable {
@@ -196,10 +220,12 @@ TileSet unpackTiles(std::span<const std::byte> packed, const std::string& where)
     return set;
 }
 
-void writeTilesFile(const std::filesystem::path& path, std::size_t blockCount, const std::function<TileSet(std::size_t)>& tilesOf) {
+void writeTilesFile(const std::filesystem::path& path, std::size_t blockCount,
+                    const std::function<TileSet(std::size_t)>& tilesOf) {
     std::ofstream file(path, std::ios::binary | std::ios::trunc);
     std::vector<BlockEntry> table(blockCount);
-    const std::uint64_t dataStart = aligned(sizeof(FileHeader) + blockCount * sizeof(BlockEntry) + sizeof(std::uint64_t));
+    const std::uint64_t dataStart =
+        aligned(sizeof(FileHeader) + blockCount * sizeof(BlockEntry) + sizeof(std::uint64_t));
     std::uint64_t offset = dataStart;
     const auto put = [&](std::span<const std::byte> bytes) {
         file.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
@@ -244,7 +270,8 @@ Scene openScene(const std::filesystem::path& folder) {
         const BlockEntry& entry = table[i];
         const std::span<const std::byte> bytes = file.subspan(entry.offset, blockBytes(entry));
         const std::string where = atByte(tilesPath, entry.offset);
-        if (checksumOf(bytes) != entry.checksum) throw Failure("has a damaged block (" + scene.images[i].name + ")", where, kRemedy);
+        if (checksumOf(bytes) != entry.checksum)
+            throw Failure("has a damaged block (" + scene.images[i].name + ")", where, kRemedy);
         scene.blocks[i] = lendBlock(bytes, entry, scene.images[i].camera, scene.images[i].worldFromCamera);
         checkBlock(scene.blocks[i], where);
     });

@@ -2,14 +2,16 @@
 // The scene folder: what it holds and how it is read and written.
 //
 //   scene.json      what, from what, with which options, figures; frames; cameras (also of held-out images)
-//   images/*.tiff   the depth images as captured, with the flags that say what became of each sample (scene/depth_tiff.h)
-//   tiles.bin       what is drawn, GPU-ready:
+//   images/*.tiff   the depth images as captured, with the flags that say what became of each sample
+//   (scene/depth_tiff.h) tiles.bin       what is drawn, GPU-ready:
 //
-//     offset 0    FileHeader: magic "RVTILES" 0, version, byte order mark, number of blocks, file size, checksum of the header
-//     offset 64   BlockEntry for each image: offset, counts, checksum of the block; then the checksum of the table
-//     from there  blocks, each on a multiple of 64: Tile[], TileVertex[], TileQuad[] (scene/tile.h), zero bytes between
+//     offset 0    FileHeader: magic "RVTILES" 0, version, byte order mark, number of blocks, file size, checksum of the
+//     header offset 64   BlockEntry for each image: offset, counts, checksum of the block; then the checksum of the
+//     table from there  blocks, each on a multiple of 64: Tile[], TileVertex[], TileQuad[] (scene/tile.h), zero bytes
+//     between
 //
-// Little-endian. Checksums are XXH3-64. Every block is checked before it is believed: checksum, counts, and every index in it.
+// Little-endian. Checksums are XXH3-64. Every block is checked before it is believed: checksum, counts, and every index
+// in it.
 
 #include "scene/scene.h"
 
@@ -17,15 +19,18 @@
 
 namespace scene {
 
-/// A block of tiles as bytes: as a build keeps it for itself, and as it stands in tiles.bin. Starts with its own counts and checksum.
+/// A block of tiles as bytes: as a build keeps it for itself, and as it stands in tiles.bin. Starts with its own counts
+/// and checksum.
 std::vector<std::byte> packTiles(const TileSet& tiles);
 /// Throws Failure naming `where` if anything about it is wrong.
 TileSet unpackTiles(std::span<const std::byte> packed, const std::string& where);
 
 /// Writes tiles.bin from the tiles of each image, asked for one after another (so that they need not all be in memory).
-void writeTilesFile(const std::filesystem::path& path, std::size_t blockCount, const std::function<TileSet(std::size_t)>& tilesOf);
+void writeTilesFile(const std::filesystem::path& path, std::size_t blockCount,
+                    const std::function<TileSet(std::size_t)>& tilesOf);
 
-/// Opens a scene folder. Throws Failure with file, place and cause for anything missing, damaged, or of another version.
+/// Opens a scene folder. Throws Failure with file, place and cause for anything missing, damaged, or of another
+/// version.
 Scene openScene(const std::filesystem::path& folder);
 
 } // namespace scene

@@ -40,8 +40,7 @@ std::vector<glm::dvec2> samplePlaces(int samplesPerPixel) {
 } // namespace
 
 SyntheticScene::SyntheticScene(SyntheticModel model)
-    : model_(std::make_unique<SyntheticModel>(std::move(model))),
-      tracer_(std::make_unique<SyntheticTracer>(*model_)) {
+    : model_(std::make_unique<SyntheticModel>(std::move(model))), tracer_(std::make_unique<SyntheticTracer>(*model_)) {
     lightModel(*model_, *tracer_);
 }
 
@@ -56,8 +55,7 @@ std::optional<SyntheticScene> makeSyntheticScene(const std::string& name, std::u
     return std::nullopt;
 }
 
-std::optional<Hit> castRay(const SyntheticScene& scene, const glm::dvec3& originInWorld,
-                           const glm::dvec3& direction) {
+std::optional<Hit> castRay(const SyntheticScene& scene, const glm::dvec3& originInWorld, const glm::dvec3& direction) {
     const auto hit = scene.tracer().cast(originInWorld, direction);
     if (!hit) return std::nullopt;
     const SurfacePoint point = scene.tracer().surfaceAt(originInWorld, direction, *hit);
@@ -96,8 +94,7 @@ DepthImage renderTruth(const SyntheticScene& scene, const View& view, int sample
                 sum = colourAt(scene, eye, centre, hit);
             else
                 for (const glm::dvec2& place : places) {
-                    const glm::dvec3 ray =
-                        view.worldFromEye.rotation * rayThrough(camera, x + place.x, y + place.y);
+                    const glm::dvec3 ray = view.worldFromEye.rotation * rayThrough(camera, x + place.x, y + place.y);
                     sum += colourAt(scene, eye, ray, scene.tracer().cast(eye, ray));
                 }
             image.colour(x, y) = encoded(sum / static_cast<double>(samplesPerPixel));
@@ -113,14 +110,12 @@ Scan simulateScan(const SyntheticScene& scene, const Pose& worldFromScanner, int
     Image<Rgb8> colours(columns, rows);
     Image<std::uint8_t> isHit(columns, rows, std::uint8_t{0});
     tbb::parallel_for(0, rows, [&](int row) {
-        const double elevation =
-            options.topRadians - (row + 0.5) * (options.topRadians - options.bottomRadians) / rows;
+        const double elevation = options.topRadians - (row + 0.5) * (options.topRadians - options.bottomRadians) / rows;
         for (int column = 0; column < columns; ++column) {
             const double azimuth = -(column + 0.5) * kTwoPi / columns;
-            const glm::dvec3 ray(std::cos(elevation) * std::cos(azimuth),
-                                 std::cos(elevation) * std::sin(azimuth), std::sin(elevation));
-            const glm::dvec3 origin = worldFromScanner.translation,
-                             direction = worldFromScanner.rotation * ray;
+            const glm::dvec3 ray(std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth),
+                                 std::sin(elevation));
+            const glm::dvec3 origin = worldFromScanner.translation, direction = worldFromScanner.rotation * ray;
             const auto hit = scene.tracer().cast(origin, direction);
             if (!hit) continue;
             double range = hit->t;

@@ -66,8 +66,7 @@ struct Hit {
 
 /// The first surface on a ray; nothing if it ends in the sky. direction need not be a unit vector but must
 /// not be zero.
-std::optional<Hit> castRay(const SyntheticScene& scene, const glm::dvec3& originInWorld,
-                           const glm::dvec3& direction);
+std::optional<Hit> castRay(const SyntheticScene& scene, const glm::dvec3& originInWorld, const glm::dvec3& direction);
 
 /// What a perfect camera with depth sees. disparity and flags belong to the ray through the pixel's centre,
 /// with the intersection computed in double precision; colour is the mean over samplesPerPixel rays spread
@@ -87,8 +86,7 @@ std::vector<View> walkPath(const SyntheticScene& scene, int count, const Camera&
 
 /// The poses of a hand-held depth camera that is turned about while its bearer walks through the scene:
 /// neighbours overlap and all directions are covered.
-std::vector<View> captureViews(const SyntheticScene& scene, int count,
-                               const Camera& camera = captureCamera());
+std::vector<View> captureViews(const SyntheticScene& scene, int count, const Camera& camera = captureCamera());
 
 /// Distance to the nearest surface, looking in 64 directions around a point; large where there is only sky.
 double clearanceAt(const SyntheticScene& scene, const glm::dvec3& pInWorld);
@@ -97,10 +95,9 @@ double clearanceAt(const SyntheticScene& scene, const glm::dvec3& pInWorld);
 std::vector<Pose> scanPositions(const SyntheticScene& scene);
 
 struct ScanOptions {
-    double topRadians = 1.5707963267948966; ///< elevation of the upper edge of the first row
-    double bottomRadians =
-        -1.0471975511965976;     ///< and of the lower edge of the last: below stands the tripod
-    double rangeNoiseMetres = 0; ///< standard deviation along the ray
+    double topRadians = 1.5707963267948966;     ///< elevation of the upper edge of the first row
+    double bottomRadians = -1.0471975511965976; ///< and of the lower edge of the last: below stands the tripod
+    double rangeNoiseMetres = 0;                ///< standard deviation along the ray
     std::uint32_t noiseSeed = 1;
 };
 

@@ -149,8 +149,7 @@ void addCar(SyntheticModel& model, const Pose& worldFromCar, const CarShape& sha
             const double steer = isBent ? 0.32 : 0.0;
             glm::dvec3 out(-std::sin(steer) * side, std::cos(steer) * side, isBent ? 0.06 : 0.0);
             out = glm::normalize(out);
-            const glm::dvec3 inner = worldFromCar * (hub - out * 0.10),
-                             outer = worldFromCar * (hub + out * 0.095);
+            const glm::dvec3 inner = worldFromCar * (hub - out * 0.10), outer = worldFromCar * (hub + out * 0.095);
             addTube(model, inner, outer, kWheelRadius, rubber);
             addDisc(model, inner, inner - outer, kWheelRadius, rubber);
             addDisc(model, outer, outer - inner, kWheelRadius, rim);

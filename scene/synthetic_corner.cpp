@@ -44,15 +44,12 @@ class StreetCorner {
 
   private:
     void addGround() {
-        const int road =
-            addMaterial(model_, {Pattern::road, reflectance(0x4d4d50), reflectance(0x77777a), 1.0, 91});
+        const int road = addMaterial(model_, {Pattern::road, reflectance(0x4d4d50), reflectance(0x77777a), 1.0, 91});
         addRoad(kFar, {{glm::dvec2(-kNear), glm::dvec2(kNear)}}, road).lightSpacing = 1.2;
         addRoad(kNear, {}, road);
 
-        const int slabs =
-            addMaterial(model_, {Pattern::slabs, reflectance(0xa9a49a), reflectance(0x6d6961), 0.60, 92});
-        const int stone =
-            addMaterial(model_, {Pattern::slabs, reflectance(0xbdb9b0), reflectance(0x7d7a73), 1.0, 93});
+        const int slabs = addMaterial(model_, {Pattern::slabs, reflectance(0xa9a49a), reflectance(0x6d6961), 0.60, 92});
+        const int stone = addMaterial(model_, {Pattern::slabs, reflectance(0xbdb9b0), reflectance(0x7d7a73), 1.0, 93});
         for (const double sx : {-1.0, 1.0})
             for (const double sy : {-1.0, 1.0}) {
                 const auto box = [&](double x0, double y0, double x1, double y1, double top, int material) {
@@ -70,8 +67,8 @@ class StreetCorner {
     /// A square about the origin. Its markings are given in world coordinates, and so is the place of its
     /// hole.
     Patch& addRoad(double half, std::vector<Rectangle> holes, int material) {
-        Patch& ground = addRectangle(model_, {-half, -half, 0}, {2 * half, 0, 0}, {0, 2 * half, 0}, material,
-                                     std::move(holes));
+        Patch& ground =
+            addRectangle(model_, {-half, -half, 0}, {2 * half, 0, 0}, {0, 2 * half, 0}, material, std::move(holes));
         ground.origin = glm::dvec3(0);
         for (glm::dvec2& corner : ground.outline)
             corner -= half;
@@ -119,10 +116,9 @@ class StreetCorner {
 
     void addHouse(const House& house) {
         const double storey = 3.1, height = house.floors * storey + 0.5;
-        const int wall = addMaterial(model_, {house.pattern, reflectance(house.wall), reflectance(0xa59d90),
-                                              0.24, static_cast<std::uint32_t>(random_.bits() & 511)});
-        const int plinth =
-            addMaterial(model_, {Pattern::slabs, reflectance(0x8b867c), reflectance(0x5e5a53), 0.9, 95});
+        const int wall = addMaterial(model_, {house.pattern, reflectance(house.wall), reflectance(0xa59d90), 0.24,
+                                              static_cast<std::uint32_t>(random_.bits() & 511)});
+        const int plinth = addMaterial(model_, {Pattern::slabs, reflectance(0x8b867c), reflectance(0x5e5a53), 0.9, 95});
         const int trim = addMaterial(model_, {Pattern::plaster, reflectance(0xe6dfcf)});
         const glm::dvec3 a(house.x0, house.y0, 0), b(house.x1, house.y0, 0), c(house.x1, house.y1, 0),
             d(house.x0, house.y1, 0);
@@ -131,14 +127,12 @@ class StreetCorner {
         addFacade(c, d, house, height, wall, trim);
         addFacade(d, a, house, height, wall, trim);
         const Pose world;
-        const int roof =
-            addMaterial(model_, {Pattern::mottled, reflectance(0x5b4a44), reflectance(0x7a655c), 0.6, 96});
+        const int roof = addMaterial(model_, {Pattern::mottled, reflectance(0x5b4a44), reflectance(0x7a655c), 0.6, 96});
         addBox(model_, world, {house.x0 - 0.32, house.y0 - 0.32, height - 0.28},
                {house.x1 + 0.32, house.y1 + 0.32, height - 0.06}, trim);
         addBox(model_, world, {house.x0 - 0.16, house.y0 - 0.16, height - 0.06},
                {house.x1 + 0.16, house.y1 + 0.16, height + 0.30}, roof);
-        addBox(model_, world, {house.x0 - 0.05, house.y0 - 0.05, 0}, {house.x1 + 0.05, house.y1 + 0.05, 0.62},
-               plinth);
+        addBox(model_, world, {house.x0 - 0.05, house.y0 - 0.05, 0}, {house.x1 + 0.05, house.y1 + 0.05, 0.62}, plinth);
         addBox(model_, world, {house.x0 - 0.04, house.y0 - 0.04, storey + 0.28},
                {house.x1 + 0.04, house.y1 + 0.04, storey + 0.46}, trim);
         const int brick =
@@ -174,9 +168,8 @@ class StreetCorner {
             addRectangle(model_, at(hole.low.x, 0, hole.high.y), -out * deep, along * w, trim);
             addRectangle(model_, at(hole.low.x, 0, hole.low.y), -out * deep, up * h, trim);
             addRectangle(model_, at(hole.high.x, deep, hole.low.y), out * deep, up * h, trim);
-            const int pane =
-                addMaterial(model_, {Pattern::pane, glm::dvec3(0.035, 0.042, 0.05), reflectance(0xe8e4da),
-                                     w / 2, static_cast<std::uint32_t>(random_.bits() & 255)});
+            const int pane = addMaterial(model_, {Pattern::pane, glm::dvec3(0.035, 0.042, 0.05), reflectance(0xe8e4da),
+                                                  w / 2, static_cast<std::uint32_t>(random_.bits() & 255)});
             if (random_.unit() < 0.06)
                 addOpenWindow(face, hole, deep, pane);
             else
@@ -204,14 +197,11 @@ class StreetCorner {
     }
 
     void addStreetThings() {
-        const int iron =
-            addMaterial(model_, {Pattern::mottled, reflectance(0x2d3436), reflectance(0x454e50), 0.1, 98});
-        const int grey =
-            addMaterial(model_, {Pattern::mottled, reflectance(0x8d9193), reflectance(0xa7abad), 0.1, 99});
+        const int iron = addMaterial(model_, {Pattern::mottled, reflectance(0x2d3436), reflectance(0x454e50), 0.1, 98});
+        const int grey = addMaterial(model_, {Pattern::mottled, reflectance(0x8d9193), reflectance(0xa7abad), 0.1, 99});
         const int lamp = addMaterial(model_, {Pattern::plain, reflectance(0xf4eedc)});
-        for (const glm::dvec2 at :
-             {glm::dvec2(-4.15, 8.5), glm::dvec2(8.5, 4.15), glm::dvec2(4.15, -9.0), glm::dvec2(-10.0, -4.15),
-              glm::dvec2(-4.15, 22.0), glm::dvec2(22.0, 4.15)}) {
+        for (const glm::dvec2 at : {glm::dvec2(-4.15, 8.5), glm::dvec2(8.5, 4.15), glm::dvec2(4.15, -9.0),
+                                    glm::dvec2(-10.0, -4.15), glm::dvec2(-4.15, 22.0), glm::dvec2(22.0, 4.15)}) {
             addRod(model_, {at.x, at.y, kKerb - 0.01}, {at.x, at.y, 0.9}, 0.085, iron);
             addTube(model_, {at.x, at.y, 0.9}, {at.x, at.y, 4.6}, 0.05, iron);
             addRod(model_, {at.x, at.y, 4.6}, {at.x, at.y, 4.68}, 0.16, iron);
@@ -219,8 +209,7 @@ class StreetCorner {
         }
         const int redSign =
             addMaterial(model_, {Pattern::stripes, reflectance(0xb5201d), reflectance(0xeeeae2), 0.30, 0});
-        const int blue =
-            addMaterial(model_, {Pattern::stripes, reflectance(0x1f4f9a), reflectance(0xe8ecf2), 0.22, 0});
+        const int blue = addMaterial(model_, {Pattern::stripes, reflectance(0x1f4f9a), reflectance(0xe8ecf2), 0.22, 0});
         addSign({-4.25, -7.9, 0}, {-0.6, -0.8, 0}, redSign, grey);
         addSign({4.3, 7.2, 0}, {0.8, 0.6, 0}, blue, grey);
         addSign({4.3, -7.6, 0}, {0, -1, 0}, blue, grey);
@@ -228,8 +217,7 @@ class StreetCorner {
             addRod(model_, {-4.0, 5.2 + 1.1 * i, kKerb - 0.01}, {-4.0, 5.2 + 1.1 * i, 1.02}, 0.055, iron);
         for (int i = 0; i < 5; ++i)
             addRod(model_, {5.2 + 1.1 * i, 4.0, kKerb - 0.01}, {5.2 + 1.1 * i, 4.0, 1.02}, 0.055, iron);
-        const int bin =
-            addMaterial(model_, {Pattern::mottled, reflectance(0x2f5b3c), reflectance(0x447a53), 0.1, 100});
+        const int bin = addMaterial(model_, {Pattern::mottled, reflectance(0x2f5b3c), reflectance(0x447a53), 0.1, 100});
         addRod(model_, {-5.5, 5.7, kKerb - 0.01}, {-5.5, 5.7, 0.98}, 0.24, bin);
         addBox(model_, standing({5.6, 5.45, kKerb - 0.01}, 0.0), {-0.35, -0.25, 0}, {0.35, 0.25, 1.25},
                addMaterial(model_, {Pattern::plaster, reflectance(0xc9a227)}));
@@ -257,8 +245,8 @@ class StreetCorner {
             addMaterial(model_, {Pattern::mottled, reflectance(0x3f6a2a), reflectance(0x86a04e), 0.35, 101});
         addRectangle(model_, {near, -kFar, kKerb + 0.02}, {kFar - near, 0, 0}, {0, kFar - near, 0}, grass);
         addHedge(model_, standing({near + 4.6, -near - 0.5, kKerb}, 0), {7.6, 0.7, 1.0}, 1500, random_);
-        addHedge(model_, standing({near + 0.5, -near - 5.2, kKerb}, 1.5707963267948966), {7.0, 0.7, 1.0},
-                 1400, random_);
+        addHedge(model_, standing({near + 0.5, -near - 5.2, kKerb}, 1.5707963267948966), {7.0, 0.7, 1.0}, 1400,
+                 random_);
         addTree(model_, {near + 2.6, -near - 2.6, kKerb}, 6.2, 1500, random_);
         addTree(model_, {near + 9.5, -near - 4.0, kKerb}, 7.4, 1500, random_);
         addTree(model_, {near + 4.4, -near - 11.0, kKerb}, 7.8, 1500, random_);
@@ -304,13 +292,11 @@ class StreetCorner {
         };
         for (int i = 0; i < 8; ++i)
             addRod(model_, arc(i / 8.0), arc((i + 1) / 8.0), 0.045, black);
-        const int rubber =
-            addMaterial(model_, {Pattern::mottled, glm::dvec3(0.028), glm::dvec3(0.075), 0.10, 102});
+        const int rubber = addMaterial(model_, {Pattern::mottled, glm::dvec3(0.028), glm::dvec3(0.075), 0.10, 102});
         for (const double side : {-0.76, 0.76}) { // skid marks of the car that came from below
             const Pose track = standing({1.30, -2.58, 0}, 0.209);
-            addRectangle(model_, track * glm::dvec3(side - 0.09, -5.2, 0.0015),
-                         track.rotation * glm::dvec3(0.18, 0, 0), track.rotation * glm::dvec3(0, 5.2, 0),
-                         rubber);
+            addRectangle(model_, track * glm::dvec3(side - 0.09, -5.2, 0.0015), track.rotation * glm::dvec3(0.18, 0, 0),
+                         track.rotation * glm::dvec3(0, 5.2, 0), rubber);
         }
     }
 

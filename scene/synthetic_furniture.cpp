@@ -9,16 +9,15 @@ namespace scene {
 void addChair(SyntheticModel& model, const Pose& worldFromChair, int wood, int cloth) {
     const double half = 0.21;
     for (const double x : {-half, half}) {
-        addRod(model, worldFromChair * glm::dvec3(x, -half, 0), worldFromChair * glm::dvec3(x, -half, 0.43),
+        addRod(model, worldFromChair * glm::dvec3(x, -half, 0), worldFromChair * glm::dvec3(x, -half, 0.43), 0.019,
+               wood);
+        addRod(model, worldFromChair * glm::dvec3(x, half, 0), worldFromChair * glm::dvec3(x * 0.95, half + 0.05, 0.92),
                0.019, wood);
-        addRod(model, worldFromChair * glm::dvec3(x, half, 0),
-               worldFromChair * glm::dvec3(x * 0.95, half + 0.05, 0.92), 0.019, wood);
     }
     addBox(model, worldFromChair, {-half - 0.02, -half - 0.03, 0.43}, {half + 0.02, half, 0.462}, wood);
     addBox(model, worldFromChair, {-half, -half - 0.01, 0.4625}, {half, half - 0.03, 0.49}, cloth);
     for (const double z : {0.60, 0.72, 0.84})
-        addBox(model, worldFromChair, {-half + 0.01, half + 0.015, z}, {half - 0.01, half + 0.032, z + 0.065},
-               wood);
+        addBox(model, worldFromChair, {-half + 0.01, half + 0.015, z}, {half - 0.01, half + 0.032, z + 0.065}, wood);
     for (const double y : {-half, half})
         addBox(model, worldFromChair, {-half, y - 0.008, 0.20}, {half, y + 0.008, 0.225}, wood);
 }
@@ -29,23 +28,19 @@ void addTable(SyntheticModel& model, const Pose& worldFromTable, const glm::dvec
     for (const double sx : {-1.0, 1.0})
         for (const double sy : {-1.0, 1.0}) {
             const glm::dvec3 foot(sx * (x - 0.07), sy * (y - 0.07), 0);
-            addTube(model, worldFromTable * foot, worldFromTable * (foot + glm::dvec3(0, 0, size.z - 0.035)),
-                    0.032, wood);
+            addTube(model, worldFromTable * foot, worldFromTable * (foot + glm::dvec3(0, 0, size.z - 0.035)), 0.032,
+                    wood);
         }
-    addBox(model, worldFromTable, {-x + 0.1, -y + 0.05, size.z - 0.12}, {x - 0.1, -y + 0.07, size.z - 0.036},
-           wood);
-    addBox(model, worldFromTable, {-x + 0.1, y - 0.07, size.z - 0.12}, {x - 0.1, y - 0.05, size.z - 0.036},
-           wood);
+    addBox(model, worldFromTable, {-x + 0.1, -y + 0.05, size.z - 0.12}, {x - 0.1, -y + 0.07, size.z - 0.036}, wood);
+    addBox(model, worldFromTable, {-x + 0.1, y - 0.07, size.z - 0.12}, {x - 0.1, y - 0.05, size.z - 0.036}, wood);
 }
 
 namespace {
 
 /// A box with generously rounded edges, as upholstery has: a superellipsoid.
-void addCushion(SyntheticModel& model, const Pose& worldFromCushion, const glm::dvec3& centre,
-                const glm::dvec3& half, int material, double roundness) {
-    const auto power = [&](double value) {
-        return std::copysign(std::pow(std::abs(value), roundness), value);
-    };
+void addCushion(SyntheticModel& model, const Pose& worldFromCushion, const glm::dvec3& centre, const glm::dvec3& half,
+                int material, double roundness) {
+    const auto power = [&](double value) { return std::copysign(std::pow(std::abs(value), roundness), value); };
     const auto shape = [&](double s, double t) {
         const double angle = s * 6.283185307179586, rise = (t - 0.5) * 3.141592653589793;
         const double girth = power(std::cos(rise));
@@ -69,8 +64,7 @@ void addSofa(SyntheticModel& model, const Pose& worldFromSofa, double width, int
     const int foot = addMaterial(model, {Pattern::plain, glm::dvec3(0.05, 0.03, 0.02)});
     for (const double sx : {-x + 0.1, x - 0.1})
         for (const double y : {-0.32, 0.34})
-            addTube(model, worldFromSofa * glm::dvec3(sx, y, 0), worldFromSofa * glm::dvec3(sx, y, 0.09),
-                    0.025, foot);
+            addTube(model, worldFromSofa * glm::dvec3(sx, y, 0), worldFromSofa * glm::dvec3(sx, y, 0.09), 0.025, foot);
     for (const double sx : {-x + 0.09, x - 0.09})
         addCushion(model, worldFromSofa, {sx, 0.0, 0.40}, {0.11, 0.43, 0.24}, cloth, 0.3);
     const int seats = width > 1.7 ? 3 : 2;
@@ -82,8 +76,8 @@ void addSofa(SyntheticModel& model, const Pose& worldFromSofa, double width, int
     }
     const Pose leaning = standing({-x + 0.42, 0.08, 0.62}, 0.5);
     addCushion(model, worldFromSofa * leaning, {0, 0, 0}, {0.21, 0.08, 0.20}, pillow, 0.55);
-    addCushion(model, worldFromSofa * standing({x - 0.42, 0.08, 0.62}, -0.4), {0, 0, 0}, {0.21, 0.08, 0.20},
-               pillow, 0.55);
+    addCushion(model, worldFromSofa * standing({x - 0.42, 0.08, 0.62}, -0.4), {0, 0, 0}, {0.21, 0.08, 0.20}, pillow,
+               0.55);
 }
 
 void addBookcase(SyntheticModel& model, const Pose& worldFromCase, const glm::dvec3& size, int wood,
@@ -91,8 +85,7 @@ void addBookcase(SyntheticModel& model, const Pose& worldFromCase, const glm::dv
     const double x = size.x / 2, board = 0.022;
     for (const double side : {-x, x - board})
         addBox(model, worldFromCase, {side, 0, 0}, {side + board, size.y, size.z}, wood);
-    addBox(model, worldFromCase, {-x + board, size.y - 0.008, 0.05},
-           {x - board, size.y - 0.001, size.z - 0.001}, wood);
+    addBox(model, worldFromCase, {-x + board, size.y - 0.008, 0.05}, {x - board, size.y - 0.001, size.z - 0.001}, wood);
     const int shelves = 5;
     const double step = (size.z - board - 0.06) / shelves;
     const std::uint32_t paints[] = {0x8c2f2b, 0x27496d, 0x2f5d50, 0xc9a227, 0x6b4a7b,
@@ -107,22 +100,21 @@ void addBookcase(SyntheticModel& model, const Pose& worldFromCase, const glm::dv
             if (random.unit() < 0.10) { // a gap, with something in it
                 const double radius = random.between(0.045, 0.07);
                 if (at + 2 * radius + 0.03 > end) break;
-                const int glaze = addMaterial(
-                    model, {Pattern::mottled, reflectance(paints[random.bits() % 10]), reflectance(0xe8e0d0),
-                            0.04, static_cast<std::uint32_t>(random.bits() & 1023)});
+                const int glaze =
+                    addMaterial(model, {Pattern::mottled, reflectance(paints[random.bits() % 10]),
+                                        reflectance(0xe8e0d0), 0.04, static_cast<std::uint32_t>(random.bits() & 1023)});
                 const glm::dvec3 foot = glm::dvec3(at + radius + 0.01, size.y * 0.45, z + board);
                 if (random.unit() < 0.5)
                     addSphere(model, worldFromCase * (foot + glm::dvec3(0, 0, radius)), radius, glaze);
                 else
-                    addRod(model, worldFromCase * foot, worldFromCase * (foot + glm::dvec3(0, 0, top * 0.75)),
-                           radius, glaze);
+                    addRod(model, worldFromCase * foot, worldFromCase * (foot + glm::dvec3(0, 0, top * 0.75)), radius,
+                           glaze);
                 at += 2 * radius + 0.03;
                 continue;
             }
             const double thick = random.between(0.018, 0.048), height = random.between(0.62, 0.95) * top;
             const double deep = random.between(0.55, 0.80) * size.y;
-            Material spine{Pattern::spine, reflectance(paints[random.bits() % 10]), reflectance(0xe3d3a0),
-                           height};
+            Material spine{Pattern::spine, reflectance(paints[random.bits() % 10]), reflectance(0xe3d3a0), height};
             spine.seed = static_cast<std::uint32_t>(random.bits() & 4095);
             if (at + thick > end) break;
             addBox(model, worldFromCase, {at, 0.015 + random.between(0, 0.02), z + board + 0.0005},

@@ -19,8 +19,7 @@ constexpr double kTwoPi = 6.283185307179586;
 constexpr int kLampRays = 16, kMaxNodesAlongEdge = 200;
 constexpr int kRaysOfPass[] = {16, 60}; ///< one gathering for each reflection; the last is what is seen
 constexpr double kLift = 1e-3;          ///< metres a ray starts above its surface
-constexpr double kInset =
-    1e-2; ///< metres a light node keeps from the edge of its patch: it must not look behind walls
+constexpr double kInset = 1e-2; ///< metres a light node keeps from the edge of its patch: it must not look behind walls
 
 /// A place that light is gathered for.
 struct LightNode {
@@ -126,8 +125,8 @@ class Lighting {
         for (int row = 0; row < map.rows; ++row)
             for (int column = 0; column < map.columns; ++column) {
                 const glm::dvec2 part(along(column, map.columns), along(row, map.rows));
-                const glm::dvec2 p = glm::clamp(patch.extent.low + part * size, patch.extent.low + inset,
-                                                patch.extent.high - inset);
+                const glm::dvec2 p =
+                    glm::clamp(patch.extent.low + part * size, patch.extent.low + inset, patch.extent.high - inset);
                 const glm::dvec3 position = patch.origin + patch.u * p.x + patch.v * p.y;
                 const bool isUnderneath = patch.normal.z < -0.99 && position.z < kLift;
                 const bool isUnseen = isUnderneath || (map.columns * map.rows > 1 && !isWithin(patch, p));
@@ -139,17 +138,16 @@ class Lighting {
         LightMap& map = round.light;
         const double girth = kTwoPi * round.radius;
         map.columns = std::clamp(nodesAlong(girth, model_.lightSpacing), 5, 24);
-        map.rows = round.kind == RoundKind::tube
-                       ? std::max(nodesAlong(round.length, model_.lightSpacing), 2)
-                       : std::clamp(nodesAlong(girth / 2, model_.lightSpacing), 4, 16);
+        map.rows = round.kind == RoundKind::tube ? std::max(nodesAlong(round.length, model_.lightSpacing), 2)
+                                                 : std::clamp(nodesAlong(girth / 2, model_.lightSpacing), 4, 16);
         map.nodes.assign(static_cast<std::size_t>(map.columns * map.rows), glm::dvec3(0));
         sheets_.push_back({map.columns, map.rows, nodes_.size(), &map.nodes});
         const double inset = round.kind == RoundKind::tube ? std::min(kInset / round.length, 0.25) : 0.0;
         for (int row = 0; row < map.rows; ++row)
             for (int column = 0; column < map.columns; ++column) {
                 const double t = static_cast<double>(row) / (map.rows - 1);
-                const RoundPlace place = placeOn(round, static_cast<double>(column) / (map.columns - 1),
-                                                 std::clamp(t, inset, 1.0 - inset));
+                const RoundPlace place =
+                    placeOn(round, static_cast<double>(column) / (map.columns - 1), std::clamp(t, inset, 1.0 - inset));
                 nodes_.push_back({place.position, place.normal, false, false, column, row});
             }
     }
@@ -184,8 +182,7 @@ class Lighting {
     }
 
     /// One step outwards from the known nodes; false when nothing is left to do.
-    static bool spread(const LightSheet& sheet, std::vector<glm::dvec3>& values,
-                       std::vector<std::uint8_t>& isKnown) {
+    static bool spread(const LightSheet& sheet, std::vector<glm::dvec3>& values, std::vector<std::uint8_t>& isKnown) {
         const std::vector<std::uint8_t> before = isKnown;
         bool hasSpread = false;
         for (int row = 0; row < sheet.rows; ++row)
@@ -216,8 +213,7 @@ class Lighting {
                 const int at = alongRows ? i % sheet.columns : i / sheet.columns;
                 const glm::dvec3 left = before[static_cast<std::size_t>(at > 0 ? i - step : i)];
                 const glm::dvec3 right = before[static_cast<std::size_t>(at < count - 1 ? i + step : i)];
-                values[static_cast<std::size_t>(i)] =
-                    (left + right) / 4.0 + before[static_cast<std::size_t>(i)] / 2.0;
+                values[static_cast<std::size_t>(i)] = (left + right) / 4.0 + before[static_cast<std::size_t>(i)] / 2.0;
             }
         }
     }
@@ -250,8 +246,7 @@ class Lighting {
     glm::dvec3 gathered(std::size_t index, int rays, std::uint8_t& isBuried) const {
         const LightNode& node = nodes_[index];
         const glm::dvec3 across = std::abs(node.normal.z) < 0.9 ? glm::dvec3(0, 0, 1) : glm::dvec3(1, 0, 0);
-        const glm::dvec3 side = glm::normalize(glm::cross(across, node.normal)),
-                         up = glm::cross(node.normal, side);
+        const glm::dvec3 side = glm::normalize(glm::cross(across, node.normal)), up = glm::cross(node.normal, side);
         // Neighbours turn their rays differently but evenly, so that smoothing makes one dense bundle of
         // them.
         const double turns = node.column * 0.7548776662 + node.row * 0.5698402910,
@@ -276,8 +271,7 @@ class Lighting {
                 ++backs; // inside of something solid: no light
                 continue;
             }
-            sum +=
-                meanReflectance_[static_cast<std::size_t>(point.material)] * lightOn(model_, tracer_, point);
+            sum += meanReflectance_[static_cast<std::size_t>(point.material)] * lightOn(model_, tracer_, point);
         }
         isBuried = backs > rays / 4;
         return sum / static_cast<double>(rays);

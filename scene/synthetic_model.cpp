@@ -20,8 +20,8 @@ Patch& addOutline(SyntheticModel& model, Patch patch) {
     return model.patches.back();
 }
 
-Round& addRound(SyntheticModel& model, RoundKind kind, const glm::dvec3& origin, const glm::dvec3& axis,
-                double radius, double length, int material) {
+Round& addRound(SyntheticModel& model, RoundKind kind, const glm::dvec3& origin, const glm::dvec3& axis, double radius,
+                double length, int material) {
     assert(radius > 0);
     Round round;
     round.kind = kind;
@@ -44,8 +44,8 @@ int addMaterial(SyntheticModel& model, const Material& material) {
     return static_cast<int>(model.materials.size()) - 1;
 }
 
-Patch& addRectangle(SyntheticModel& model, const glm::dvec3& origin, const glm::dvec3& edgeU,
-                    const glm::dvec3& edgeV, int material, std::vector<Rectangle> holes) {
+Patch& addRectangle(SyntheticModel& model, const glm::dvec3& origin, const glm::dvec3& edgeU, const glm::dvec3& edgeV,
+                    int material, std::vector<Rectangle> holes) {
     const double width = glm::length(edgeU), height = glm::length(edgeV);
     assert(width > 0 && height > 0 && std::abs(glm::dot(edgeU, edgeV)) < 1e-9 * width * height);
     Patch patch;
@@ -67,16 +67,14 @@ Patch& addPolygon(SyntheticModel& model, const std::vector<glm::dvec3>& corners,
     patch.normal = glm::normalize(glm::cross(corners[1] - corners[0], corners[2] - corners[0]));
     patch.v = glm::cross(patch.normal, patch.u);
     for (const glm::dvec3& corner : corners)
-        patch.outline.emplace_back(glm::dot(corner - corners[0], patch.u),
-                                   glm::dot(corner - corners[0], patch.v));
+        patch.outline.emplace_back(glm::dot(corner - corners[0], patch.u), glm::dot(corner - corners[0], patch.v));
     patch.material = material;
     return addOutline(model, std::move(patch));
 }
 
 void addBox(SyntheticModel& model, const Pose& worldFromBox, const glm::dvec3& low, const glm::dvec3& high,
             int material) {
-    const glm::dvec3 x = worldFromBox.rotation[0] * (high.x - low.x),
-                     y = worldFromBox.rotation[1] * (high.y - low.y),
+    const glm::dvec3 x = worldFromBox.rotation[0] * (high.x - low.x), y = worldFromBox.rotation[1] * (high.y - low.y),
                      z = worldFromBox.rotation[2] * (high.z - low.z), corner = worldFromBox * low;
     addRectangle(model, corner, x, z, material);
     addRectangle(model, corner + x, y, z, material);
@@ -90,25 +88,21 @@ Round& addSphere(SyntheticModel& model, const glm::dvec3& centre, double radius,
     return addRound(model, RoundKind::sphere, centre, {0, 0, 1}, radius, 0, material);
 }
 
-Round& addTube(SyntheticModel& model, const glm::dvec3& from, const glm::dvec3& to, double radius,
-               int material) {
+Round& addTube(SyntheticModel& model, const glm::dvec3& from, const glm::dvec3& to, double radius, int material) {
     return addRound(model, RoundKind::tube, from, to - from, radius, glm::length(to - from), material);
 }
 
-Round& addDisc(SyntheticModel& model, const glm::dvec3& centre, const glm::dvec3& normal, double radius,
-               int material) {
+Round& addDisc(SyntheticModel& model, const glm::dvec3& centre, const glm::dvec3& normal, double radius, int material) {
     return addRound(model, RoundKind::disc, centre, normal, radius, 0, material);
 }
 
-void addRod(SyntheticModel& model, const glm::dvec3& from, const glm::dvec3& to, double radius,
-            int material) {
+void addRod(SyntheticModel& model, const glm::dvec3& from, const glm::dvec3& to, double radius, int material) {
     addTube(model, from, to, radius, material);
     addDisc(model, from, from - to, radius, material);
     addDisc(model, to, to - from, radius, material);
 }
 
-void addSheet(SyntheticModel& model, int columns, int rows,
-              const std::function<glm::dvec3(double s, double t)>& place,
+void addSheet(SyntheticModel& model, int columns, int rows, const std::function<glm::dvec3(double s, double t)>& place,
               const std::function<glm::dvec3(double s, double t)>& texture, int material) {
     Mesh& mesh = model.mesh;
     const auto first = static_cast<std::uint32_t>(mesh.positions.size());

@@ -57,9 +57,8 @@ struct Round {
 /// Curved things as triangles with smooth shading. The geometry is the triangles'.
 struct Mesh {
     std::vector<glm::dvec3> positions, normals;
-    std::vector<glm::dvec3>
-        texturePlaces;             ///< where the material is looked up: dents carry their paint with them
-    std::vector<glm::dvec3> light; ///< for each vertex, as LightMap
+    std::vector<glm::dvec3> texturePlaces; ///< where the material is looked up: dents carry their paint with them
+    std::vector<glm::dvec3> light;         ///< for each vertex, as LightMap
     std::vector<std::array<std::uint32_t, 3>> triangles;
     std::vector<int> materials; ///< for each triangle
 };
@@ -104,8 +103,8 @@ struct SyntheticModel {
 int addMaterial(SyntheticModel& model, const Material& material);
 
 /// A rectangle: origin and two orthogonal edges; it faces edgeU x edgeV. Holes in metres along the edges.
-Patch& addRectangle(SyntheticModel& model, const glm::dvec3& origin, const glm::dvec3& edgeU,
-                    const glm::dvec3& edgeV, int material, std::vector<Rectangle> holes = {});
+Patch& addRectangle(SyntheticModel& model, const glm::dvec3& origin, const glm::dvec3& edgeU, const glm::dvec3& edgeV,
+                    int material, std::vector<Rectangle> holes = {});
 
 /// A convex planar polygon, counter-clockwise seen from the side it faces; u runs along its first edge.
 Patch& addPolygon(SyntheticModel& model, const std::vector<glm::dvec3>& corners, int material);
@@ -117,19 +116,16 @@ void addBox(SyntheticModel& model, const Pose& worldFromBox, const glm::dvec3& l
 
 Round& addSphere(SyntheticModel& model, const glm::dvec3& centre, double radius, int material);
 
-Round& addTube(SyntheticModel& model, const glm::dvec3& from, const glm::dvec3& to, double radius,
-               int material);
+Round& addTube(SyntheticModel& model, const glm::dvec3& from, const glm::dvec3& to, double radius, int material);
 
-Round& addDisc(SyntheticModel& model, const glm::dvec3& centre, const glm::dvec3& normal, double radius,
-               int material);
+Round& addDisc(SyntheticModel& model, const glm::dvec3& centre, const glm::dvec3& normal, double radius, int material);
 
 /// A tube with a disc at both ends.
 void addRod(SyntheticModel& model, const glm::dvec3& from, const glm::dvec3& to, double radius, int material);
 
 /// A sheet of columns x rows squares over two parameters in [0, 1]; it faces the way that place turns from s
 /// to t. Its texture lies at texture(s, t).
-void addSheet(SyntheticModel& model, int columns, int rows,
-              const std::function<glm::dvec3(double s, double t)>& place,
+void addSheet(SyntheticModel& model, int columns, int rows, const std::function<glm::dvec3(double s, double t)>& place,
               const std::function<glm::dvec3(double s, double t)>& texture, int material);
 
 /// Standing at a point, turned about the vertical.

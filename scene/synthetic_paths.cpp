@@ -32,14 +32,12 @@ Waypoint alongWalk(const SyntheticModel& model, double part) {
         if (model.walkIsLoop) return points[static_cast<std::size_t>((index + count) % count)];
         return points[static_cast<std::size_t>(std::clamp(index, 0, count - 1))];
     };
-    const auto blend = [&](const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c,
-                           const glm::dvec3& d) {
+    const auto blend = [&](const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, const glm::dvec3& d) {
         return 0.5 * (2.0 * b + (c - a) * t + (2.0 * a - 5.0 * b + 4.0 * c - d) * (t * t) +
                       (3.0 * b - a - 3.0 * c + d) * (t * t * t));
     };
     const Waypoint &a = at(piece - 1), &b = at(piece), &c = at(piece + 1), &d = at(piece + 2);
-    return {blend(a.position, b.position, c.position, d.position),
-            blend(a.lookAt, b.lookAt, c.lookAt, d.lookAt)};
+    return {blend(a.position, b.position, c.position, d.position), blend(a.lookAt, b.lookAt, c.lookAt, d.lookAt)};
 }
 
 /// Parameters that cut the walk into steps of equal length: count of them, the last one step before the end
@@ -56,13 +54,12 @@ std::vector<double> evenParts(const SyntheticModel& model, int count) {
     const double steps = model.walkIsLoop ? count : std::max(count - 1, 1);
     for (int i = 0; i < count; ++i) {
         const double wanted = lengths.back() * i / steps;
-        const auto above =
-            std::max(std::upper_bound(lengths.begin(), lengths.end(), wanted), lengths.begin() + 1);
+        const auto above = std::max(std::upper_bound(lengths.begin(), lengths.end(), wanted), lengths.begin() + 1);
         const auto end = std::min(above, lengths.end() - 1);
         const double before = *(end - 1), piece = *end - before;
-        parts.push_back((static_cast<double>(end - lengths.begin()) - 1.0 +
-                         (piece > 0 ? (wanted - before) / piece : 0.0)) /
-                        kPieces);
+        parts.push_back(
+            (static_cast<double>(end - lengths.begin()) - 1.0 + (piece > 0 ? (wanted - before) / piece : 0.0)) /
+            kPieces);
     }
     return parts;
 }
@@ -70,8 +67,7 @@ std::vector<double> evenParts(const SyntheticModel& model, int count) {
 double walkLength(const SyntheticModel& model) {
     double length = 0;
     for (int i = 1; i <= 200; ++i)
-        length +=
-            glm::length(alongWalk(model, i / 200.0).position - alongWalk(model, (i - 1) / 200.0).position);
+        length += glm::length(alongWalk(model, i / 200.0).position - alongWalk(model, (i - 1) / 200.0).position);
     return length;
 }
 
@@ -127,13 +123,12 @@ std::vector<View> captureViews(const SyntheticScene& scene, int count, const Cam
     for (int i = 0; i < count; ++i) {
         const double part = (i + 0.5) / count;
         glm::dvec3 position = alongWalk(model, parts[static_cast<std::size_t>(i)]).position;
-        position.z = 1.45 + 0.17 * std::sin(kTwoPi * part * (turns * 0.5 + 0.31)) +
-                     0.02 * std::sin(kTwoPi * part * 23.0);
+        position.z =
+            1.45 + 0.17 * std::sin(kTwoPi * part * (turns * 0.5 + 0.31)) + 0.02 * std::sin(kTwoPi * part * 23.0);
         const double yaw = kTwoPi * (turns * part + 0.02 * std::sin(kTwoPi * part * 19.0));
         const double pitch = -0.16 + 0.42 * std::sin(kTwoPi * part * (turns * 1.37 + 0.21));
         const double roll = 0.04 * std::sin(kTwoPi * part * 13.0 + 0.5);
-        const glm::dvec3 forward(std::cos(pitch) * std::cos(yaw), std::cos(pitch) * std::sin(yaw),
-                                 std::sin(pitch));
+        const glm::dvec3 forward(std::cos(pitch) * std::cos(yaw), std::cos(pitch) * std::sin(yaw), std::sin(pitch));
         Pose worldFromCamera = lookingAlong(position, forward);
         const glm::dvec3 x = worldFromCamera.rotation[0], y = worldFromCamera.rotation[1];
         worldFromCamera.rotation[0] = x * std::cos(roll) + y * std::sin(roll);
@@ -147,8 +142,7 @@ double clearanceAt(const SyntheticScene& scene, const glm::dvec3& pInWorld) {
     constexpr int kDirections = 64;
     double nearest = std::numeric_limits<double>::infinity();
     for (int i = 0; i < kDirections; ++i) {
-        const double z = 1.0 - 2.0 * (i + 0.5) / kDirections, r = std::sqrt(1.0 - z * z),
-                     angle = i * 2.399963229728653;
+        const double z = 1.0 - 2.0 * (i + 0.5) / kDirections, r = std::sqrt(1.0 - z * z), angle = i * 2.399963229728653;
         const auto hit = scene.tracer().cast(pInWorld, {r * std::cos(angle), r * std::sin(angle), z});
         if (hit) nearest = std::min(nearest, hit->t);
     }

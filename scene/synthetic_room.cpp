@@ -74,72 +74,60 @@ class Room {
             addBox(model_, world, {x, y0, sill_}, {x + w, y1, lintel_}, white_);
         for (const double z : {sill_, sill_ + 0.92, lintel_ - w})
             addBox(model_, world, {left_, y0 + 0.002, z}, {right_, y1 - 0.002, z + w}, white_);
-        addBox(model_, world, {left_ - 0.08, kDepth - 0.16, sill_ - 0.035},
-               {right_ + 0.08, kDepth + 0.12, sill_}, white_);
-        model_.lamps.push_back(
-            {{left_, kDepth, sill_}, {right_ - left_, 0, 0}, {0, 0, lintel_ - sill_}, {}, true});
+        addBox(model_, world, {left_ - 0.08, kDepth - 0.16, sill_ - 0.035}, {right_ + 0.08, kDepth + 0.12, sill_},
+               white_);
+        model_.lamps.push_back({{left_, kDepth, sill_}, {right_ - left_, 0, 0}, {0, 0, lintel_ - sill_}, {}, true});
 
         const int curtain =
             addMaterial(model_, {Pattern::weave, reflectance(0xb9573f), reflectance(0xd98a6a), 1.0, 31});
         for (const double x : {left_ - 0.42, right_ - 0.10}) {
             const auto place = [&](double s, double t) {
-                const double wave =
-                    std::sin(s * 44.0) * (0.030 + 0.02 * (1.0 - t)) + 0.012 * std::sin(s * 17.0 + x);
+                const double wave = std::sin(s * 44.0) * (0.030 + 0.02 * (1.0 - t)) + 0.012 * std::sin(s * 17.0 + x);
                 return glm::dvec3(x + s * 0.52, kDepth - 0.10 + wave, 0.12 + t * 2.26);
             };
             addSheet(
-                model_, 90, 12, place, [](double s, double t) { return glm::dvec3(s * 1.1, t * 2.26, 0); },
-                curtain);
+                model_, 90, 12, place, [](double s, double t) { return glm::dvec3(s * 1.1, t * 2.26, 0); }, curtain);
         }
-        addRod(model_, {left_ - 0.55, kDepth - 0.10, 2.42}, {right_ + 0.55, kDepth - 0.10, 2.42}, 0.015,
-               dark_);
+        addRod(model_, {left_ - 0.55, kDepth - 0.10, 2.42}, {right_ + 0.55, kDepth - 0.10, 2.42}, 0.015, dark_);
         const int metal = addMaterial(model_, {Pattern::plain, reflectance(0xe6e4de)});
         for (int rib = 0; rib < 16; ++rib)
-            addBox(model_, world, {1.95 + rib * 0.08, kDepth - 0.13, 0.14},
-                   {2.01 + rib * 0.08, kDepth - 0.04, 0.70}, metal);
+            addBox(model_, world, {1.95 + rib * 0.08, kDepth - 0.13, 0.14}, {2.01 + rib * 0.08, kDepth - 0.04, 0.70},
+                   metal);
     }
 
     void addLamp() {
-        const int shade = addMaterial(
-            model_, {Pattern::plain, reflectance(0xf3e2c0), {}, 1, 0, glm::dvec3(0.46, 0.38, 0.27)});
+        const int shade =
+            addMaterial(model_, {Pattern::plain, reflectance(0xf3e2c0), {}, 1, 0, glm::dvec3(0.46, 0.38, 0.27)});
         const int cord = addMaterial(model_, {Pattern::plain, glm::dvec3(0.03)});
         const glm::dvec3 over(tableX_, tableY_, 0);
         addTube(model_, over + glm::dvec3(0, 0, 2.02), over + glm::dvec3(0, 0, kHeight), 0.006, cord);
         addTube(model_, over + glm::dvec3(0, 0, 1.86), over + glm::dvec3(0, 0, 2.02), 0.22, shade);
         addDisc(model_, over + glm::dvec3(0, 0, 2.02), {0, 0, 1}, 0.22, cord);
         addDisc(model_, over + glm::dvec3(0, 0, 1.87), {0, 0, -1}, 0.219, shade);
-        model_.lamps.push_back({over + glm::dvec3(-0.18, -0.18, 1.855),
-                                {0, 0.36, 0},
-                                {0.36, 0, 0},
-                                glm::dvec3(5.0, 4.3, 3.3),
-                                false});
+        model_.lamps.push_back(
+            {over + glm::dvec3(-0.18, -0.18, 1.855), {0, 0.36, 0}, {0.36, 0, 0}, glm::dvec3(5.0, 4.3, 3.3), false});
     }
 
     void addFurniture() {
-        const int seat =
-            addMaterial(model_, {Pattern::weave, reflectance(0x3c5a4a), reflectance(0x6f8f78), 1.0, 41});
-        const int sofa =
-            addMaterial(model_, {Pattern::weave, reflectance(0x4a5a70), reflectance(0x7b8ba0), 1.0, 42});
+        const int seat = addMaterial(model_, {Pattern::weave, reflectance(0x3c5a4a), reflectance(0x6f8f78), 1.0, 41});
+        const int sofa = addMaterial(model_, {Pattern::weave, reflectance(0x4a5a70), reflectance(0x7b8ba0), 1.0, 42});
         const int pillow =
             addMaterial(model_, {Pattern::checker, reflectance(0xd8b04a), reflectance(0xf2ead8), 0.07, 43});
         const Pose table = standing({tableX_, tableY_, 0}, random_.between(-0.04, 0.04));
         addTable(model_, table, {1.5, 0.86, 0.75}, oak_);
         for (const double x : {-0.38, 0.38}) {
             addChair(model_,
-                     table * standing({x + random_.between(-0.03, 0.03), -0.42, 0},
-                                      3.1416 + random_.between(-0.15, 0.15)),
+                     table *
+                         standing({x + random_.between(-0.03, 0.03), -0.42, 0}, 3.1416 + random_.between(-0.15, 0.15)),
                      oak_, seat);
             addChair(model_,
-                     table *
-                         standing({x + random_.between(-0.03, 0.03), 0.42, 0}, random_.between(-0.15, 0.15)),
-                     oak_, seat);
+                     table * standing({x + random_.between(-0.03, 0.03), 0.42, 0}, random_.between(-0.15, 0.15)), oak_,
+                     seat);
         }
         addTableware(table);
         addSofa(model_, standing({3.05, 0.50, 0}, 3.141592653589793), 2.1, sofa, pillow);
-        addBookcase(model_, standing({kWidth - 0.34, 2.35, 0}, -1.5707963267948966), {1.7, 0.32, 2.05}, dark_,
-                    random_);
-        const int rug =
-            addMaterial(model_, {Pattern::rug, reflectance(0x8f2f2a), reflectance(0xe0c9a0), 0.95, 44});
+        addBookcase(model_, standing({kWidth - 0.34, 2.35, 0}, -1.5707963267948966), {1.7, 0.32, 2.05}, dark_, random_);
+        const int rug = addMaterial(model_, {Pattern::rug, reflectance(0x8f2f2a), reflectance(0xe0c9a0), 0.95, 44});
         addBox(model_, standing({3.1, 1.72, 0}, 0.05), {-0.95, -0.627, 0.0005}, {0.95, 0.627, 0.012}, rug);
         Patch& top = model_.patches[model_.patches.size() - 2];
         const glm::dvec2 middle = top.extent.high / 2.0; // the ornament is about the rug's middle
@@ -159,16 +147,13 @@ class Room {
     void addTableware(const Pose& table) {
         const int bowl =
             addMaterial(model_, {Pattern::mottled, reflectance(0x3a6ea5), reflectance(0xdce8f0), 0.03, 51});
-        addTube(model_, table * glm::dvec3(0.05, 0.02, 0.75), table * glm::dvec3(0.05, 0.02, 0.81), 0.15,
-                bowl);
+        addTube(model_, table * glm::dvec3(0.05, 0.02, 0.75), table * glm::dvec3(0.05, 0.02, 0.81), 0.15, bowl);
         const std::uint32_t fruit[] = {0xd98b1f, 0xc7402d, 0x9bb03a, 0xd98b1f, 0xe0b52d};
         for (int i = 0; i < 5; ++i) {
-            const int skin = addMaterial(
-                model_, {Pattern::mottled, reflectance(fruit[i]), reflectance(fruit[i]) * 0.7, 0.03, 52});
+            const int skin =
+                addMaterial(model_, {Pattern::mottled, reflectance(fruit[i]), reflectance(fruit[i]) * 0.7, 0.03, 52});
             const double angle = i * 1.2566, radius = 0.038 + 0.002 * i;
-            addSphere(model_,
-                      table *
-                          glm::dvec3(0.05 + 0.085 * std::cos(angle), 0.02 + 0.085 * std::sin(angle), 0.805),
+            addSphere(model_, table * glm::dvec3(0.05 + 0.085 * std::cos(angle), 0.02 + 0.085 * std::sin(angle), 0.805),
                       radius, skin);
         }
         for (const double x : {-0.45, 0.48}) {
@@ -177,18 +162,15 @@ class Room {
             addDisc(model_, table * glm::dvec3(x, y, 0.82), {0, 0, 1}, 0.0399, dark_);
         }
         const int paper = addMaterial(model_, {Pattern::chart, {}, {}, 0.21, 53});
-        addBox(model_, table * standing({-0.52, 0.12, 0}, 0.3), {-0.105, -0.14, 0.7505}, {0.105, 0.14, 0.762},
-               paper);
-        const int cover =
-            addMaterial(model_, {Pattern::spine, reflectance(0x8c2f2b), reflectance(0xe3d3a0), 0.22, 54});
-        addBox(model_, table * standing({0.46, -0.18, 0}, -0.4), {-0.08, -0.11, 0.7505}, {0.08, 0.11, 0.785},
-               cover);
+        addBox(model_, table * standing({-0.52, 0.12, 0}, 0.3), {-0.105, -0.14, 0.7505}, {0.105, 0.14, 0.762}, paper);
+        const int cover = addMaterial(model_, {Pattern::spine, reflectance(0x8c2f2b), reflectance(0xe3d3a0), 0.22, 54});
+        addBox(model_, table * standing({0.46, -0.18, 0}, -0.4), {-0.08, -0.11, 0.7505}, {0.08, 0.11, 0.785}, cover);
     }
 
     /// A framed picture on a wall: lower left corner, to the right along the wall, both seen from within the
     /// room.
-    void addPicture(const glm::dvec3& corner, const glm::dvec3& right, double width, double height,
-                    Pattern pattern, std::uint32_t seed) {
+    void addPicture(const glm::dvec3& corner, const glm::dvec3& right, double width, double height, Pattern pattern,
+                    std::uint32_t seed) {
         const glm::dvec3 up(0, 0, 1), in = glm::cross(right, up);
         const Pose wall{glm::dmat3(right, -in, up), corner};
         const int art = addMaterial(model_, {pattern, {}, {}, width, seed});
@@ -206,8 +188,7 @@ class Room {
         addPicture({0, 2.75, 1.28}, {0, 1, 0}, 0.80, 0.55, Pattern::picture, 63);
         addPicture({kWidth, 1.28, 1.30}, {0, -1, 0}, 0.42, 0.54, Pattern::picture, 64);
         const Pose world;
-        const int door =
-            addMaterial(model_, {Pattern::door, reflectance(0x6e4a2c), reflectance(0x8f6740), 0.86, 65});
+        const int door = addMaterial(model_, {Pattern::door, reflectance(0x6e4a2c), reflectance(0x8f6740), 0.86, 65});
         addRectangle(model_, {0.012, 0.35, 0.005}, {0, 0.86, 0}, {0, 0, 2.03}, door);
         addBox(model_, world, {0.0005, 0.28, 0}, {0.025, 0.35, 2.10}, white_);
         addBox(model_, world, {0.0005, 1.21, 0}, {0.025, 1.28, 2.10}, white_);
@@ -232,8 +213,8 @@ class Room {
     }
 
     void addPaths() {
-        const glm::dvec3 table(tableX_, tableY_, 0.8), shelf(kWidth - 0.3, 2.3, 1.2),
-            window(2.5, kDepth, 1.5), sofa(3.05, 0.4, 0.8);
+        const glm::dvec3 table(tableX_, tableY_, 0.8), shelf(kWidth - 0.3, 2.3, 1.2), window(2.5, kDepth, 1.5),
+            sofa(3.05, 0.4, 0.8);
         model_.walk = {{{0.75, 0.95, 1.6}, table}, {{1.9, 1.05, 1.6}, window}, {{3.1, 1.35, 1.6}, shelf},
                        {{3.95, 1.7, 1.6}, shelf},  {{4.05, 2.7, 1.6}, window}, {{3.4, 3.3, 1.6}, table},
                        {{2.2, 3.55, 1.6}, sofa},   {{0.95, 3.4, 1.6}, sofa},   {{0.42, 2.6, 1.6}, table},

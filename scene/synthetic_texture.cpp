@@ -40,8 +40,7 @@ glm::dvec3 planks(const Material& m, const glm::dvec3& p) {
     const double tint = cellHash(board, piece, 1, m.seed);
     const double wander = layeredNoise({p.x * 1.6, p.y * 9.0, tint * 90.0}, 2, m.seed);
     const double fibre = smoothNoise({p.x * 5.0, p.y * 75.0 + wander * 8.0, tint * 50.0}, m.seed + 1);
-    const double mixed =
-        std::clamp(0.25 + 0.5 * wander + 0.35 * (fibre - 0.5) + 0.5 * (tint - 0.5), 0.0, 1.0);
+    const double mixed = std::clamp(0.25 + 0.5 * wander + 0.35 * (fibre - 0.5) + 0.5 * (tint - 0.5), 0.0, 1.0);
     const double seam = std::max(lineMask(p.y, m.scale, 0.005), lineMask(p.x + shift, 1.4, 0.005));
     return glm::mix(m.base, m.accent, mixed) * (1.0 - 0.55 * seam);
 }
@@ -96,8 +95,7 @@ glm::dvec3 picture(const Material& m, const glm::dvec3& p) {
     const double u = p.x / m.scale, v = p.y / m.scale;
     const double brush = layeredNoise({u * 60.0, v * 22.0, 5.0}, 2, m.seed);
     const glm::dvec2 toSun(u - 0.68, v - 0.50);
-    glm::dvec3 colour =
-        glm::mix(reflectance(0xf4c98a), reflectance(0x4f7fb0), std::clamp(v * 1.7 - 0.35, 0.0, 1.0));
+    glm::dvec3 colour = glm::mix(reflectance(0xf4c98a), reflectance(0x4f7fb0), std::clamp(v * 1.7 - 0.35, 0.0, 1.0));
     const double cloud = layeredNoise({u * 4.0, v * 12.0, 8.0}, 3, m.seed + 4);
     colour = glm::mix(colour, reflectance(0xfbe9d0), 0.8 * softStep(0.56, 0.06, cloud));
     colour = glm::mix(reflectance(0xfff3c0), colour, softStep(0.055, 0.004, glm::length(toSun)));
@@ -105,8 +103,7 @@ glm::dvec3 picture(const Material& m, const glm::dvec3& p) {
                                        reflectance(0x1f3a26)};
     for (int ridge = 0; ridge < 4; ++ridge) {
         const double height =
-            0.46 - 0.1 * ridge +
-            0.16 * (layeredNoise({u * (3.0 + 2.0 * ridge), 4.0 * ridge, 2.0}, 4, m.seed) - 0.5);
+            0.46 - 0.1 * ridge + 0.16 * (layeredNoise({u * (3.0 + 2.0 * ridge), 4.0 * ridge, 2.0}, 4, m.seed) - 0.5);
         colour = glm::mix(ridgeColour[ridge], colour, softStep(height, 0.003, v));
     }
     const double gold = softStep(0.6, 0.05, smoothNoise({u * 40.0, v * 40.0, 3.0}, m.seed + 7));
@@ -131,8 +128,7 @@ glm::dvec3 chart(const Material& m, const glm::dvec3& p) {
         dark = softStep(0.0, 0.35, wave);
     } else {
         const std::int64_t i = floorOf((u - 0.04) / 0.115), j = floorOf((v - 0.04) / 0.095);
-        const glm::dvec3 colour(cellHash(i, j, 1, m.seed), cellHash(i, j, 2, m.seed),
-                                cellHash(i, j, 3, m.seed));
+        const glm::dvec3 colour(cellHash(i, j, 1, m.seed), cellHash(i, j, 2, m.seed), cellHash(i, j, 3, m.seed));
         const double edge = std::max(lineMask(u - 0.04, 0.115, 0.01), lineMask(v - 0.04, 0.095, 0.01));
         return glm::mix(colour * 0.8 + 0.03, paper, edge);
     }
@@ -142,8 +138,7 @@ glm::dvec3 chart(const Material& m, const glm::dvec3& p) {
 glm::dvec3 asphalt(const Material& m, const glm::dvec3& p) {
     const double grit = smoothNoise(p * 38.0, m.seed), stain = layeredNoise(p * 0.5, 4, m.seed + 1);
     const double crackField = layeredNoise(p * 0.9, 4, m.seed + 2);
-    const double crack =
-        (1.0 - softStep(0.0025, 0.002, std::abs(crackField - 0.5))) * softStep(0.52, 0.05, stain);
+    const double crack = (1.0 - softStep(0.0025, 0.002, std::abs(crackField - 0.5))) * softStep(0.52, 0.05, stain);
     return glm::mix(m.base, m.accent, std::clamp(0.35 * grit + 0.2 + 0.9 * (stain - 0.35), 0.0, 1.0)) *
            (1.0 - 0.5 * crack);
 }
@@ -158,15 +153,13 @@ glm::dvec3 road(const Material& m, const glm::dvec3& p) {
     };
     const auto crossing = [&](double along, double across) {
         return band(along, 4.2, 6.8) *
-               (across < 3.1 ? 1.0 - softStep(0.25, 0.012, std::abs(std::fmod(across + 0.5, 1.0) - 0.5))
-                             : 0.0);
+               (across < 3.1 ? 1.0 - softStep(0.25, 0.012, std::abs(std::fmod(across + 0.5, 1.0) - 0.5)) : 0.0);
     };
     paint = std::max({crossing(x, y), crossing(y, x),
                       band(x, 7.4, 7.8) * (y < 3.1 ? 1.0 : 0.0) * (p.x * p.y < 0 ? 1.0 : 0.0),
                       band(y, 7.4, 7.8) * (x < 3.1 ? 1.0 : 0.0) * (p.x * p.y > 0 ? 1.0 : 0.0)});
     const auto dashes = [&](double along, double across) {
-        return along > 8.4 ? (1.0 - softStep(0.06, 0.012, across)) * band(std::fmod(along, 4.0), 0.5, 2.5)
-                           : 0.0;
+        return along > 8.4 ? (1.0 - softStep(0.06, 0.012, across)) * band(std::fmod(along, 4.0), 0.5, 2.5) : 0.0;
     };
     paint = std::max({paint, dashes(x, y), dashes(y, x)});
     const double wear = layeredNoise(p * 3.0, 4, m.seed + 5);
@@ -185,9 +178,7 @@ double srgbFromLinear(double value) {
 }
 
 glm::dvec3 reflectance(std::uint32_t rgb) {
-    const auto channel = [&](int shift) {
-        return linearFromSrgb(static_cast<double>((rgb >> shift) & 255u) / 255.0);
-    };
+    const auto channel = [&](int shift) { return linearFromSrgb(static_cast<double>((rgb >> shift) & 255u) / 255.0); };
     return {channel(16), channel(8), channel(0)};
 }
 
@@ -227,8 +218,7 @@ glm::dvec3 reflectanceAt(const Material& m, const glm::dvec3& p) {
     case Pattern::mottled:
         return glm::mix(m.base, m.accent, layeredNoise(p / m.scale, 4, m.seed));
     case Pattern::plaster:
-        return m.base *
-               (0.93 + 0.09 * layeredNoise(p * 1.1, 3, m.seed) + 0.05 * smoothNoise(p * 35.0, m.seed + 1));
+        return m.base * (0.93 + 0.09 * layeredNoise(p * 1.1, 3, m.seed) + 0.05 * smoothNoise(p * 35.0, m.seed + 1));
     case Pattern::planks:
         return planks(m, p);
     case Pattern::grain:
@@ -240,8 +230,7 @@ glm::dvec3 reflectanceAt(const Material& m, const glm::dvec3& p) {
     case Pattern::bricks:
         return blocks(m, p, m.scale * 0.34, 0.013, 0.6);
     case Pattern::checker: {
-        const double x = std::sin(p.x / m.scale * 3.141592653589793),
-                     y = std::sin(p.y / m.scale * 3.141592653589793);
+        const double x = std::sin(p.x / m.scale * 3.141592653589793), y = std::sin(p.y / m.scale * 3.141592653589793);
         const double cloud = layeredNoise(p * 5.0, 3, m.seed);
         return glm::mix(m.base, m.accent, softStep(0.0, 0.03, x * y)) * (0.85 + 0.3 * cloud);
     }

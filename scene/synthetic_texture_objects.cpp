@@ -40,8 +40,8 @@ glm::dvec3 pane(const Material& m, const glm::dvec3& p) {
     const double curtain = 0.12 + 0.16 * smoothNoise({p.x * 7.0, 0.5, m.seed * 1.0}, m.seed + 3);
     glass = glm::mix(glm::dvec3(0.30, 0.29, 0.26) * (0.7 + 0.5 * std::abs(std::sin(p.x * 60.0))), glass,
                      softStep(curtain * m.scale, 0.01, std::min(x, m.scale - x)));
-    const double bars = std::max({stroke(x, 0.09, 0.004), stroke(x - m.scale, 0.09, 0.004),
-                                  stroke(p.y, 0.12, 0.004), stroke(p.y - m.scale * 1.25, 0.05, 0.004)});
+    const double bars = std::max({stroke(x, 0.09, 0.004), stroke(x - m.scale, 0.09, 0.004), stroke(p.y, 0.12, 0.004),
+                                  stroke(p.y - m.scale * 1.25, 0.05, 0.004)});
     return glm::mix(glass, m.accent, bars);
 }
 
@@ -54,8 +54,7 @@ glm::dvec3 door(const Material& m, const glm::dvec3& p) {
         const double edge = std::min(inX, inY);
         colour *= 1.0 - 0.45 * stroke(edge, 0.018) + 0.18 * stroke(edge - 0.02, 0.014);
     }
-    colour =
-        glm::mix(colour, glm::dvec3(0.45, 0.43, 0.40), band(u, 0.02, 0.98) * band(p.y, 0.02, 0.13) * 0.8);
+    colour = glm::mix(colour, glm::dvec3(0.45, 0.43, 0.40), band(u, 0.02, 0.98) * band(p.y, 0.02, 0.13) * 0.8);
     const glm::dvec2 handle(p.x - 0.91 * m.scale, p.y - 1.02);
     const double lever = distanceToSegment(handle, {0, 0}, {-0.10, 0.0});
     colour = glm::mix(colour, glm::dvec3(0.50, 0.49, 0.46), 1.0 - softStep(0.012, 0.003, lever));
@@ -70,8 +69,8 @@ double distanceToDigit(int digit, const glm::dvec2& p) {
     double nearest = 1e9;
     for (std::size_t bar = 0; bar < kPlaces.size(); ++bar)
         if ((kBars[static_cast<std::size_t>(digit)] >> bar & 1u) != 0)
-            nearest = std::min(nearest, distanceToSegment(p, {kPlaces[bar][0], kPlaces[bar][1]},
-                                                          {kPlaces[bar][2], kPlaces[bar][3]}));
+            nearest = std::min(
+                nearest, distanceToSegment(p, {kPlaces[bar][0], kPlaces[bar][1]}, {kPlaces[bar][2], kPlaces[bar][3]}));
     return nearest;
 }
 
@@ -89,8 +88,7 @@ glm::dvec3 number(const Material& m, const glm::dvec3& p) {
 glm::dvec3 leaf(const Material& m, const glm::dvec3& p) {
     const double ribs = std::sin((p.x - 1.2 * std::abs(p.y)) * 240.0);
     const double shade = layeredNoise(p * 20.0 + m.seed * 0.1, 2, m.seed);
-    return glm::mix(m.base, m.accent,
-                    std::clamp(0.65 * shade + 0.12 * ribs + 0.5 * stroke(p.y, 0.006), 0.0, 1.0));
+    return glm::mix(m.base, m.accent, std::clamp(0.65 * shade + 0.12 * ribs + 0.5 * stroke(p.y, 0.006), 0.0, 1.0));
 }
 
 /// See synthetic_car.cpp for the car's shape: x forward, y left, z up from the road, metres.
@@ -120,12 +118,10 @@ glm::dvec3 carBody(const Material& m, const glm::dvec3& p) {
     if (side > 0.74 && p.z < 0.97) {
         const double tall = band(p.z, 0.33, 0.97);
         double seam =
-            std::max({stroke(p.x - 0.86, 0.014), stroke(p.x + 0.38, 0.014), stroke(p.x + 1.28, 0.014)}) *
-            tall;
+            std::max({stroke(p.x - 0.86, 0.014), stroke(p.x + 0.38, 0.014), stroke(p.x + 1.28, 0.014)}) * tall;
         seam = std::max(seam, stroke(p.z - 0.33, 0.014) * band(p.x, -1.28, 0.86));
         colour *= 1.0 - 0.8 * seam;
-        const double handle =
-            std::max(band(p.x, -0.28, -0.10), band(p.x, -1.18, -1.00)) * band(p.z, 0.80, 0.835);
+        const double handle = std::max(band(p.x, -0.28, -0.10), band(p.x, -1.18, -1.00)) * band(p.z, 0.80, 0.835);
         colour = glm::mix(colour, trim, handle);
         colour *= 1.0 - 0.35 * stroke(p.z - 0.64, 0.03, 0.015) * band(p.x, -1.9, 1.9, 0.05);
         for (const double axle : {1.36, -1.36}) {
@@ -140,19 +136,17 @@ glm::dvec3 carBody(const Material& m, const glm::dvec3& p) {
         const bool isFront = p.x > 0;
         const double lamp = band(side, 0.46, 0.80, 0.006) * band(p.z, 0.575, 0.70, 0.006);
         const double ribs = 0.75 + 0.25 * std::sin(p.y * 130.0);
-        colour = glm::mix(
-            colour, isFront ? glm::dvec3(0.62, 0.64, 0.66) * ribs : glm::dvec3(0.42, 0.012, 0.010) * ribs,
-            lamp);
+        colour = glm::mix(colour, isFront ? glm::dvec3(0.62, 0.64, 0.66) * ribs : glm::dvec3(0.42, 0.012, 0.010) * ribs,
+                          lamp);
         if (isFront) {
             const double grille = (1.0 - softStep(0.42, 0.006, side)) * band(p.z, 0.50, 0.66, 0.006);
             colour = glm::mix(colour, trim + 0.10 * softStep(0.2, 0.3, std::sin(p.z * 150.0)), grille);
-            colour =
-                glm::mix(colour, trim, (1.0 - softStep(0.62, 0.006, side)) * band(p.z, 0.33, 0.40, 0.006));
+            colour = glm::mix(colour, trim, (1.0 - softStep(0.62, 0.006, side)) * band(p.z, 0.33, 0.40, 0.006));
         }
         const double plate = (1.0 - softStep(0.26, 0.004, side)) * band(p.z, 0.41, 0.52);
         colour = glm::mix(colour, glm::dvec3(0.75, 0.75, 0.70), plate);
-        const double ink = softStep(
-            0.55, 0.05, unitOf(mixBits(static_cast<std::uint64_t>(std::floor((p.y + 3.0) / 0.032)), m.seed)));
+        const double ink =
+            softStep(0.55, 0.05, unitOf(mixBits(static_cast<std::uint64_t>(std::floor((p.y + 3.0) / 0.032)), m.seed)));
         colour = glm::mix(colour, glm::dvec3(0.03),
                           plate * ink * band(p.z, 0.435, 0.495) * (1.0 - softStep(0.23, 0.004, side)));
     } else if (p.z > 0.7 && side < 0.72) {
@@ -167,11 +161,9 @@ glm::dvec3 wheel(const Material& m, const glm::dvec3& p) {
     const glm::dvec3 rubber = glm::dvec3(0.018) * (0.8 + 0.5 * layeredNoise(p * 14.0, 2, m.seed));
     if (radius > 0.72) return glm::mix(rubber, glm::dvec3(0.05), stroke(radius - 0.86, 0.02, 0.01));
     const double spokes = softStep(-0.1, 0.25, std::cos(angle * 5.0 + m.seed));
-    const double metal =
-        std::max({softStep(0.62, 0.012, radius), 1.0 - softStep(0.20, 0.012, radius), spokes});
+    const double metal = std::max({softStep(0.62, 0.012, radius), 1.0 - softStep(0.20, 0.012, radius), spokes});
     const double bolts =
-        stroke(glm::length(glm::dvec2(std::fmod(std::abs(angle), 1.2566) - 0.6283, (radius - 0.13) * 5.0)),
-               0.4, 0.1);
+        stroke(glm::length(glm::dvec2(std::fmod(std::abs(angle), 1.2566) - 0.6283, (radius - 0.13) * 5.0)), 0.4, 0.1);
     return glm::mix(glm::dvec3(0.02), m.base, metal) * (1.0 - 0.7 * bolts);
 }
 
@@ -182,9 +174,8 @@ glm::dvec3 dial(const Material& m, const glm::dvec3& p) {
         stroke((hours - std::round(hours)) * radius * 0.5236, 0.035, 0.01) * band(radius, 0.74, 0.92, 0.01);
     const auto hand = [&](double hour, double length, double width) {
         const double angle = hour * 0.5235987755982988;
-        return 1.0 -
-               softStep(width, 0.012,
-                        distanceToSegment(at, {0, 0}, glm::dvec2(std::sin(angle), std::cos(angle)) * length));
+        return 1.0 - softStep(width, 0.012,
+                              distanceToSegment(at, {0, 0}, glm::dvec2(std::sin(angle), std::cos(angle)) * length));
     };
     const double ink = std::max({tick, hand(10.15, 0.48, 0.03), hand(1.9, 0.70, 0.02)});
     return glm::mix(m.base, glm::dvec3(0.02), ink);
@@ -195,8 +186,8 @@ glm::dvec3 dial(const Material& m, const glm::dvec3& p) {
 glm::dvec3 objectReflectanceAt(const Material& m, const glm::dvec3& p) {
     switch (m.pattern) {
     case Pattern::spine: {
-        const double gold = std::max(
-            {stroke(p.y - 0.035, 0.008), stroke(p.y - 0.05, 0.005), stroke(p.y - m.scale + 0.03, 0.006)});
+        const double gold =
+            std::max({stroke(p.y - 0.035, 0.008), stroke(p.y - 0.05, 0.005), stroke(p.y - m.scale + 0.03, 0.006)});
         const double title = (m.seed % 3 == 0 ? 0.0 : 0.55) * band(p.y, 0.09, 0.07 + 0.45 * m.scale) *
                              softStep(0.5, 0.12, smoothNoise({p.x * 130.0, p.y * 70.0, 1}, m.seed));
         const double wear = layeredNoise({p.x * 25.0, p.y * 25.0, 2}, 2, m.seed);

@@ -65,8 +65,7 @@ Pierced pierce(const Round& round, const glm::dvec3& origin, const glm::dvec3& d
 }
 
 /// First t in (low, high) where the ray meets the round; infinity if none.
-double meet(const Round& round, const glm::dvec3& origin, const glm::dvec3& direction, double low,
-            double high) {
+double meet(const Round& round, const glm::dvec3& origin, const glm::dvec3& direction, double low, double high) {
     constexpr double kNone = std::numeric_limits<double>::infinity();
     if (round.kind == RoundKind::disc) {
         const double t = distanceToPlane(origin, direction, round.origin, round.axis);
@@ -138,8 +137,7 @@ void triangulate(const Patch& patch, Triangles& out) {
             out.triangles.push_back({first, first + i - 1, first + i});
         return;
     }
-    std::vector<double> xs{patch.extent.low.x, patch.extent.high.x},
-        ys{patch.extent.low.y, patch.extent.high.y};
+    std::vector<double> xs{patch.extent.low.x, patch.extent.high.x}, ys{patch.extent.low.y, patch.extent.high.y};
     for (const Rectangle& hole : patch.holes) {
         xs.insert(xs.end(), {hole.low.x, hole.high.x});
         ys.insert(ys.end(), {hole.low.y, hole.high.y});
@@ -153,20 +151,19 @@ void triangulate(const Patch& patch, Triangles& out) {
                 return x > hole.low.x && x < hole.high.x && y > hole.low.y && y < hole.high.y;
             });
             if (open || xs[i] == xs[i + 1] || ys[j] == ys[j + 1]) continue;
-            const std::uint32_t a = add(xs[i], ys[j]), b = add(xs[i + 1], ys[j]),
-                                c = add(xs[i + 1], ys[j + 1]), d = add(xs[i], ys[j + 1]);
+            const std::uint32_t a = add(xs[i], ys[j]), b = add(xs[i + 1], ys[j]), c = add(xs[i + 1], ys[j + 1]),
+                                d = add(xs[i], ys[j + 1]);
             out.triangles.push_back({a, b, c});
             out.triangles.push_back({a, c, d});
         }
 }
 
-void attachTriangles(RTCDevice device, RTCScene rtcScene, unsigned id,
-                     const std::vector<glm::dvec3>& positions,
+void attachTriangles(RTCDevice device, RTCScene rtcScene, unsigned id, const std::vector<glm::dvec3>& positions,
                      const std::vector<std::array<std::uint32_t, 3>>& triangles) {
     if (triangles.empty()) return;
     RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
-    auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(
-        geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), positions.size()));
+    auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                                                 3 * sizeof(float), positions.size()));
     for (const glm::dvec3& p : positions)
         for (int axis = 0; axis < 3; ++axis)
             *vertices++ = static_cast<float>(p[axis]);
@@ -235,8 +232,7 @@ std::optional<RayHit> SyntheticTracer::cast(const glm::dvec3& origin, const glm:
         hit.kind = SurfaceKind::mesh;
         const auto& corners = model_.mesh.triangles[hit.index];
         const glm::dvec3 a = model_.mesh.positions[corners[0]];
-        const glm::dvec3 ab = model_.mesh.positions[corners[1]] - a,
-                         ac = model_.mesh.positions[corners[2]] - a;
+        const glm::dvec3 ab = model_.mesh.positions[corners[1]] - a, ac = model_.mesh.positions[corners[2]] - a;
         hit.t = distanceToPlane(origin, direction, a, glm::cross(ab, ac));
     } else {
         hit.kind = SurfaceKind::round;
@@ -304,8 +300,8 @@ SurfacePoint SyntheticTracer::surfaceAt(const glm::dvec3& origin, const glm::dve
         } else {
             point.normal = p / round.radius;
             point.texturePlace = p;
-            point.light = lightFrom(round.light, turn,
-                                    std::acos(std::clamp(-z / round.radius, -1.0, 1.0)) / kTwoPi * 2.0);
+            point.light =
+                lightFrom(round.light, turn, std::acos(std::clamp(-z / round.radius, -1.0, 1.0)) / kTwoPi * 2.0);
         }
         point.normal = glm::normalize(point.normal);
         point.shadingNormal = point.normal;
@@ -315,16 +311,15 @@ SurfacePoint SyntheticTracer::surfaceAt(const glm::dvec3& origin, const glm::dve
 
 glm::dvec3 lightFrom(const LightMap& map, double s, double t) {
     if (map.nodes.empty()) return glm::dvec3(0);
-    const double x = std::clamp(s, 0.0, 1.0) * (map.columns - 1),
-                 y = std::clamp(t, 0.0, 1.0) * (map.rows - 1);
+    const double x = std::clamp(s, 0.0, 1.0) * (map.columns - 1), y = std::clamp(t, 0.0, 1.0) * (map.rows - 1);
     const int i = std::min(static_cast<int>(x), std::max(map.columns - 2, 0));
     const int j = std::min(static_cast<int>(y), std::max(map.rows - 2, 0));
     const int right = std::min(i + 1, map.columns - 1), below = std::min(j + 1, map.rows - 1);
     const auto node = [&](int column, int row) {
         return map.nodes[static_cast<std::size_t>(row * map.columns + column)];
     };
-    return glm::mix(glm::mix(node(i, j), node(right, j), x - i),
-                    glm::mix(node(i, below), node(right, below), x - i), y - j);
+    return glm::mix(glm::mix(node(i, j), node(right, j), x - i), glm::mix(node(i, below), node(right, below), x - i),
+                    y - j);
 }
 
 RoundPlace placeOn(const Round& round, double s, double t) {

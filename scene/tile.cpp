@@ -15,7 +15,9 @@ bool isKept(std::uint8_t flags) {
     return isSurface(flags) && (flags & kRedundant) == 0;
 }
 
-Tier tierOf(std::uint8_t flags) { return (flags & kDirectional) != 0 ? Tier::directional : Tier::base; }
+Tier tierOf(std::uint8_t flags) {
+    return (flags & kDirectional) != 0 ? Tier::directional : Tier::base;
+}
 
 /// Collects one tile: kept samples first, then the border its triangles need.
 class TileCutter {
@@ -54,9 +56,7 @@ class TileCutter {
     };
 
     std::uint8_t flagsAt(int x, int y) const { return image_.flags(x0_ + x, y0_ + y); }
-    bool isInside(int x, int y) const {
-        return x0_ + x < image_.camera.width && y0_ + y < image_.camera.height;
-    }
+    bool isInside(int x, int y) const { return x0_ + x < image_.camera.width && y0_ + y < image_.camera.height; }
 
     std::uint32_t take(int x, int y) {
         std::uint32_t& index = vertexAt_[static_cast<std::size_t>(y) * (width_ + 1) + x];
@@ -73,7 +73,8 @@ class TileCutter {
         if (!isSurface(a) || !isSurface(b) || !isSurface(c)) return false;
         // A triangle between tiers is the base's, so that the base has no cracks of its own.
         const auto has = [&](Tier tier) {
-            return (isKept(a) && tierOf(a) == tier) || (isKept(b) && tierOf(b) == tier) || (isKept(c) && tierOf(c) == tier);
+            return (isKept(a) && tierOf(a) == tier) || (isKept(b) && tierOf(b) == tier) ||
+                   (isKept(c) && tierOf(c) == tier);
         };
         return tier_ == Tier::base ? has(Tier::base) : has(Tier::directional) && !has(Tier::base);
     }
@@ -85,8 +86,7 @@ class TileCutter {
         if (!upper && !lower) return;
         const std::uint32_t i10 = take(x + 1, y), i01 = take(x, y + 1);
         const std::uint32_t i00 = upper ? take(x, y) : 0, i11 = lower ? take(x + 1, y + 1) : 0;
-        set.quads.push_back(
-            {i00 | i10 << 16 | (upper ? kDrawUpper : 0), i01 | i11 << 16 | (lower ? kDrawLower : 0)});
+        set.quads.push_back({i00 | i10 << 16 | (upper ? kDrawUpper : 0), i01 | i11 << 16 | (lower ? kDrawLower : 0)});
     }
 
     void quantise(Tile& tile, TileSet& set) const {
@@ -103,8 +103,7 @@ class TileCutter {
         for (const Place& place : taken_) {
             const int x = x0_ + place.x, y = y0_ + place.y;
             const double above = static_cast<double>(image_.disparity(x, y)) - tile.minDisparity;
-            const auto q =
-                std::min(static_cast<std::uint32_t>(std::lround(above * scale)), kMaxQuantisedDisparity);
+            const auto q = std::min(static_cast<std::uint32_t>(std::lround(above * scale)), kMaxQuantisedDisparity);
             const Rgb8 c = image_.colour(x, y);
             set.vertices.push_back(
                 {static_cast<std::uint32_t>(place.x) | static_cast<std::uint32_t>(place.y) << 6 | q << 12,

@@ -19,7 +19,8 @@ inline constexpr int kMaxTileSize = 63; ///< a vertex may stand one sample outsi
 inline constexpr std::uint32_t kMaxQuantisedDisparity = (1u << 20) - 1;
 
 /// A sample. place: x | y << 6 | q << 12, x and y from the tile's first sample, q the quantised disparity:
-/// d = minDisparity + q (maxDisparity - minDisparity) / kMaxQuantisedDisparity. colour: r | g << 8 | b << 16 | flags << 24.
+/// d = minDisparity + q (maxDisparity - minDisparity) / kMaxQuantisedDisparity. colour: r | g << 8 | b << 16 | flags
+/// << 24.
 struct TileVertex {
     std::uint32_t place = 0, colour = 0;
     friend bool operator==(const TileVertex&, const TileVertex&) = default;
@@ -38,12 +39,13 @@ inline constexpr std::uint32_t kDrawUpper = 1u << 15; ///< in top
 inline constexpr std::uint32_t kDrawLower = 1u << 15; ///< in bottom
 inline constexpr std::uint32_t kQuadIndexMask = 0x1fff;
 
-/// Base tiles together hold every piece of surface that was seen. Directional tiles hold surfaces that the base has too, as they
-/// look from another direction: they are drawn only for eyes that look from near it, and leaving them out opens no hole.
+/// Base tiles together hold every piece of surface that was seen. Directional tiles hold surfaces that the base has
+/// too, as they look from another direction: they are drawn only for eyes that look from near it, and leaving them out
+/// opens no hole.
 enum class Tier : std::uint8_t { base = 0, directional = 1 };
 
-/// firstVertex and firstQuad count within the image's block. The first pointCount vertices are kept samples; the rest is
-/// border, which only the mesh uses. The extremes are over all vertices.
+/// firstVertex and firstQuad count within the image's block. The first pointCount vertices are kept samples; the rest
+/// is border, which only the mesh uses. The extremes are over all vertices.
 struct Tile {
     std::int32_t x0 = 0, y0 = 0; ///< first sample in the image
     float minDisparity = 0, maxDisparity = 0;
@@ -76,10 +78,10 @@ inline TileBlock lend(const TileSet& set, const Camera& camera, const Pose& worl
     return {camera, worldFromCamera, set.tiles, set.vertices, set.quads};
 }
 
-/// Cuts an image into tiles of tileSize x tileSize samples (1 to kMaxTileSize). A sample is kept if it is a surface and not
-/// redundant; a triangle is drawn if it is no skin, its three samples are surfaces and at least one is kept, by the tier of its
-/// kept samples (base before directional). A place in the image gives up to two tiles, one of each tier; those without kept
-/// samples and triangles are left out.
+/// Cuts an image into tiles of tileSize x tileSize samples (1 to kMaxTileSize). A sample is kept if it is a surface and
+/// not redundant; a triangle is drawn if it is no skin, its three samples are surfaces and at least one is kept, by the
+/// tier of its kept samples (base before directional). A place in the image gives up to two tiles, one of each tier;
+/// those without kept samples and triangles are left out.
 TileSet cutIntoTiles(const DepthImage& image, int tileSize = kDefaultTileSize);
 
 /// Disparity of a vertex of this tile.

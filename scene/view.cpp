@@ -10,8 +10,7 @@ glm::dmat4 eyeImageFromSourceImage(const View& eye, const Camera& source, const 
     // pixels.
     const glm::dmat3 eyeFromWorldRotation = glm::transpose(eye.worldFromEye.rotation);
     const Pose eyeFromSource{eyeFromWorldRotation * worldFromSource.rotation,
-                             eyeFromWorldRotation *
-                                 (worldFromSource.translation - eye.worldFromEye.translation)};
+                             eyeFromWorldRotation * (worldFromSource.translation - eye.worldFromEye.translation)};
     return imageFromCamera(eye.camera) * toMatrix(eyeFromSource) * cameraFromImage(source);
 }
 

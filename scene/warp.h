@@ -1,6 +1,6 @@
 #pragma once
-// The warp on the processor: the tool of every preparation step that needs a picture, and the oracle of the GPU's warps.
-// Nyland et al. 1999, sections 5.1 and 5.2; z-buffer composition as in section 5.
+// The warp on the processor: the tool of every preparation step that needs a picture, and the oracle of the GPU's
+// warps. Nyland et al. 1999, sections 5.1 and 5.2; z-buffer composition as in section 5.
 
 #include "scene/preference.h"
 #include "scene/tile.h"
@@ -8,9 +8,9 @@
 
 namespace scene {
 
-/// One 64-bit key a pixel: bits of the order disparity << 32 | b << 24 | g << 16 | r << 8 | order level << 2 | class. The
-/// greatest key wins, so the nearest sample is seen whatever the order of drawing; 0 is nothing. The order disparity is the
-/// eye's, in 1/m (reversed infinite depth), over orderScale(level): see scene/preference.h.
+/// One 64-bit key a pixel: bits of the order disparity << 32 | b << 24 | g << 16 | r << 8 | order level << 2 | class.
+/// The greatest key wins, so the nearest sample is seen whatever the order of drawing; 0 is nothing. The order
+/// disparity is the eye's, in 1/m (reversed infinite depth), over orderScale(level): see scene/preference.h.
 using ZBuffer = Image<std::uint64_t>;
 
 enum class PixelClass : std::uint8_t { background = 0, seen = 1, filled = 2, unseen = 3 };
@@ -31,12 +31,12 @@ struct WarpOptions {
     float footprintScale = 1.f; ///< points: times the side of a sample's projected square
 };
 
-/// Side of the square of pixels that a tile's points cover: the square root of the largest projected area of a sample over
-/// the tile's corners, det[columnX, columnY, origin + d columnD] / w^3 (the Jacobian of the warp), rounded up.
+/// Side of the square of pixels that a tile's points cover: the square root of the largest projected area of a sample
+/// over the tile's corners, det[columnX, columnY, origin + d columnD] / w^3 (the Jacobian of the warp), rounded up.
 int footprintOf(const Tile& tile, const glm::dmat4& eyeImageFromSourceImage, const WarpOptions& options);
 
-/// Warps the blocks' kept samples, resp. their mesh, into the eye's z-buffer (which has the eye's size). Parallel; the result
-/// does not depend on the number of threads.
+/// Warps the blocks' kept samples, resp. their mesh, into the eye's z-buffer (which has the eye's size). Parallel; the
+/// result does not depend on the number of threads.
 void warpPoints(std::span<const TileBlock> blocks, const View& eye, const WarpOptions& options, ZBuffer& zBuffer);
 void warpMesh(std::span<const TileBlock> blocks, const View& eye, const WarpOptions& options, ZBuffer& zBuffer);
 

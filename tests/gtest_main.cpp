@@ -10,9 +10,7 @@ namespace {
 constexpr unsigned kSeed = 20;
 
 class SeedEachTest : public testing::EmptyTestEventListener {
-    void OnTestProgramStart(const testing::UnitTest&) override {
-        std::printf("std::rand starts at %u\n", kSeed);
-    }
+    void OnTestProgramStart(const testing::UnitTest&) override { std::printf("std::rand starts at %u\n", kSeed); }
     void OnTestStart(const testing::TestInfo&) override { std::srand(kSeed); }
 };
 

@@ -50,8 +50,7 @@ void recordWarp(VkCommandBuffer commands, const WarpPass& pass, const GpuScene& 
         vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, layout, 0, 1, &page, 0, nullptr);
         for (std::uint32_t done = 0; done < run.count; done += kMaxWorkgroups) {
             const WarpConstants constants{run.first + done, width, height};
-            vkCmdPushConstants(commands, layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof constants,
-                               &constants);
+            vkCmdPushConstants(commands, layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof constants, &constants);
             vkCmdDispatch(commands, std::min(run.count - done, kMaxWorkgroups), 1, 1);
         }
     }

@@ -104,8 +104,7 @@ std::vector<ScanSource> listE57(const std::filesystem::path& path, std::vector<s
             source.name = scanName(textOf(node, "name"), ordinalOf(path, i, count), names);
             const auto points = childOf(node, "points");
             if (!isPointList(points)) {
-                remarks.push_back(path.string() + " has a scan '" + source.name +
-                                  "' without points; it is left out.");
+                remarks.push_back(path.string() + " has a scan '" + source.name + "' without points; it is left out.");
                 continue;
             }
             const e57::CompressedVectorNode pointList(*points);
@@ -123,9 +122,9 @@ std::vector<ScanSource> listE57(const std::filesystem::path& path, std::vector<s
         }
         if (!sources.empty()) return;
         const bool hasPhotographs = childCountOf(file, "images2D") > 0;
-        remarks.push_back(path.string() +
-                          (hasPhotographs ? " holds photographs but no scan; photographs alone have no depth."
-                                          : " holds no scan."));
+        remarks.push_back(path.string() + (hasPhotographs
+                                               ? " holds photographs but no scan; photographs alone have no depth."
+                                               : " holds no scan."));
     });
     return sources;
 }
@@ -162,8 +161,8 @@ std::vector<E57Image> listE57Images(const std::filesystem::path& path) {
             }
             image.byteCount = picture->byteCount();
             if (image.byteCount < 0 || image.byteCount > fileBytes)
-                throw Failure("claims " + std::to_string(image.byteCount) + " bytes for image '" +
-                                  image.name + "', more than the file has",
+                throw Failure("claims " + std::to_string(image.byteCount) + " bytes for image '" + image.name +
+                                  "', more than the file has",
                               path, "copy or export the scan again");
             images.push_back(std::move(image));
         }
@@ -176,12 +175,10 @@ std::vector<std::uint8_t> readE57ImageBytes(const E57Image& image) {
     withE57Failures(image.path, [&] {
         const auto fileBytes = static_cast<std::int64_t>(std::filesystem::file_size(image.path));
         e57::ImageFile file = openE57(image.path);
-        const auto representation =
-            representationOf(structureAt(file, "images2D", image.indexInFile, image.path));
+        const auto representation = representationOf(structureAt(file, "images2D", image.indexInFile, image.path));
         auto picture = representation ? pictureOf(representation->node) : std::nullopt;
         if (!picture || picture->byteCount() < 0 || picture->byteCount() > fileBytes)
-            throw Failure("has no picture in image '" + image.name + "'", image.path,
-                          "copy or export the scan again");
+            throw Failure("has no picture in image '" + image.name + "'", image.path, "copy or export the scan again");
         bytes.resize(static_cast<std::size_t>(picture->byteCount()));
         if (!bytes.empty()) picture->read(bytes.data(), 0, bytes.size());
     });

@@ -36,9 +36,9 @@ struct E57Image {
     E57ImageKind kind = E57ImageKind::visualReference;
     int width = 0, height = 0; ///< as the header says
     bool hasPose = false;      ///< a visual reference has none
-    Pose worldFromCamera; ///< pinhole: x right, y down, z forward; others: the file's own axes (x forward, z
-                          ///< up)
-    Camera camera;        ///< pinhole; all 0 where the header's numbers make no camera
+    Pose worldFromCamera;      ///< pinhole: x right, y down, z forward; others: the file's own axes (x forward, z
+                               ///< up)
+    Camera camera;             ///< pinhole; all 0 where the header's numbers make no camera
     double pixelWidthRadians = 0,
            pixelHeightRadians = 0; ///< spherical; cylindrical has pixelWidthRadians alone
     std::int64_t byteCount = 0;    ///< of the encoded picture; proved against the file's size

@@ -33,8 +33,7 @@ struct Header {
 
 template <class T>
 T littleEndian(const char* bytes) {
-    static_assert(std::endian::native == std::endian::little,
-                  "E57 is little-endian, and so is all we run on");
+    static_assert(std::endian::native == std::endian::little, "E57 is little-endian, and so is all we run on");
     T value;
     std::memcpy(&value, bytes, sizeof value);
     return value;
@@ -45,8 +44,7 @@ Header readHeader(std::ifstream& stream, const std::filesystem::path& path, std:
     if (fileBytes < kHeaderBytes || !stream.read(bytes.data(), bytes.size()))
         throw Failure("is too short to be an E57 file", path, "check that the file was copied whole");
     if (std::string_view(bytes.data(), 8) != "ASTM-E57")
-        throw Failure("is not an E57 file: it does not begin with ASTM-E57", path,
-                      "name a scan in E57 or PTX");
+        throw Failure("is not an E57 file: it does not begin with ASTM-E57", path, "name a scan in E57 or PTX");
     const Header header{littleEndian<std::uint64_t>(&bytes[16]), littleEndian<std::uint64_t>(&bytes[24]),
                         littleEndian<std::uint64_t>(&bytes[32]), littleEndian<std::uint64_t>(&bytes[40])};
     if (header.fileBytes != fileBytes)
@@ -65,8 +63,7 @@ std::string readXml(std::ifstream& stream, const Header& header, const std::file
     std::string xml;
     xml.reserve(header.xmlBytes);
     std::array<char, kPageBytes> page{};
-    for (std::uint64_t at = header.xmlOffset; xml.size() < header.xmlBytes;
-         at = (at / kPageBytes + 1) * kPageBytes) {
+    for (std::uint64_t at = header.xmlOffset; xml.size() < header.xmlBytes; at = (at / kPageBytes + 1) * kPageBytes) {
         const std::uint64_t inPage = at % kPageBytes;
         if (at + kPageBytes - inPage > header.fileBytes || inPage >= kPagePayload)
             throw Failure("has an XML section that lies outside the file", atByte(path, 24), kDamaged);
@@ -156,8 +153,8 @@ void withE57Failures(const std::filesystem::path& path, const std::function<void
     } catch (const Failure&) {
         throw;
     } catch (const e57::E57Exception& error) {
-        throw Failure(plainWords(error) + " (" + e57::Utilities::errorCodeToString(error.errorCode()) + ")",
-                      path, kDamaged);
+        throw Failure(plainWords(error) + " (" + e57::Utilities::errorCodeToString(error.errorCode()) + ")", path,
+                      kDamaged);
     } catch (const std::bad_alloc&) {
         throw Failure("needs more memory than there is", path, "export fewer scans into one file");
     } catch (const std::exception& error) {
@@ -232,8 +229,8 @@ Pose poseOf(const e57::StructureNode& parent, const std::string& what, const std
         largest = std::isfinite(q[i]) ? std::max(largest, std::abs(q[i])) : INFINITY;
     const bool finite = std::isfinite(t.x) && std::isfinite(t.y) && std::isfinite(t.z);
     if (!finite || !std::isfinite(largest) || largest == 0)
-        throw Failure("the pose of " + what + " is not a place and a turn: numbers are missing or not finite",
-                      path, "export it with its registration, or without a pose");
+        throw Failure("the pose of " + what + " is not a place and a turn: numbers are missing or not finite", path,
+                      "export it with its registration, or without a pose");
     q /= largest; // or the squares of very small or large numbers were lost
     return poseFromQuaternion(t, q.x, q.y, q.z, q.w);
 }

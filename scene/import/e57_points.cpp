@@ -73,8 +73,7 @@ RecordBits bitsOf(const e57::StructureNode& prototype) {
             bits = integerBits(e57::IntegerNode(node).minimum(), e57::IntegerNode(node).maximum());
             break;
         case e57::E57_SCALED_INTEGER:
-            bits =
-                integerBits(e57::ScaledIntegerNode(node).minimum(), e57::ScaledIntegerNode(node).maximum());
+            bits = integerBits(e57::ScaledIntegerNode(node).minimum(), e57::ScaledIntegerNode(node).maximum());
             break;
         case e57::E57_FLOAT:
             bits = e57::FloatNode(node).precision() == e57::E57_SINGLE ? 32 : 64;
@@ -92,16 +91,13 @@ RecordBits bitsOf(const e57::StructureNode& prototype) {
     return sum;
 }
 
-void proveCount(std::int64_t count, const RecordBits& bits, std::uint64_t fileBytes,
-                const ScanSource& source) {
+void proveCount(std::int64_t count, const RecordBits& bits, std::uint64_t fileBytes, const ScanSource& source) {
     const std::string claim = "scan '" + source.name + "' claims " + std::to_string(count) + " points";
     if (count < 0) throw Failure(claim, source.path, kDamaged);
-    if (count > 0 && bits.all == 0)
-        throw Failure(claim + " and holds no byte for them", source.path, kDamaged);
+    if (count > 0 && bits.all == 0) throw Failure(claim + " and holds no byte for them", source.path, kDamaged);
     if (bits.position == 0 && count > kMaxPointsWithoutBytes)
         throw Failure(claim + " at one place", source.path, kDamaged);
-    if (bits.all > 0 &&
-        static_cast<std::uint64_t>(count) > fileBytes * 8 / static_cast<std::uint64_t>(bits.all)) {
+    if (bits.all > 0 && static_cast<std::uint64_t>(count) > fileBytes * 8 / static_cast<std::uint64_t>(bits.all)) {
         throw Failure(claim + ", more than its " + std::to_string(fileBytes) + " bytes can hold", source.path,
                       kDamaged);
     }
@@ -116,8 +112,7 @@ Limits ownLimits(const e57::StructureNode& prototype, const char* name) {
         limits = {static_cast<double>(e57::IntegerNode(*node).minimum()),
                   static_cast<double>(e57::IntegerNode(*node).maximum())};
     else if (node->type() == e57::E57_SCALED_INTEGER)
-        limits = {e57::ScaledIntegerNode(*node).scaledMinimum(),
-                  e57::ScaledIntegerNode(*node).scaledMaximum()};
+        limits = {e57::ScaledIntegerNode(*node).scaledMinimum(), e57::ScaledIntegerNode(*node).scaledMaximum()};
     else if (node->type() == e57::E57_FLOAT)
         limits = {e57::FloatNode(*node).minimum(), e57::FloatNode(*node).maximum()};
     return limits.maximum - limits.minimum < FLT_MAX / 2 ? limits : Limits{};
@@ -140,8 +135,8 @@ class Records {
         const auto take = [&](Field field, const char* name) {
             const auto node = childOf(prototype, name);
             if (!node || values_[field].size()) return;
-            const bool isNumber = node->type() == e57::E57_INTEGER ||
-                                  node->type() == e57::E57_SCALED_INTEGER || node->type() == e57::E57_FLOAT;
+            const bool isNumber = node->type() == e57::E57_INTEGER || node->type() == e57::E57_SCALED_INTEGER ||
+                                  node->type() == e57::E57_FLOAT;
             if (!isNumber) return;
             values_[field].resize(kBlockPoints);
             buffers_.emplace_back(file, name, values_[field].data(), kBlockPoints, true, true);
@@ -217,23 +212,20 @@ class Colours {
     void add(const Records& records, std::size_t i, Scan& scan) {
         Rgb8 colour{128, 128, 128};
         if (hasColour && !records.marked(kColourInvalid, i))
-            colour = {to8Bit(channels_[0].unit(records(kRed, i))),
-                      to8Bit(channels_[1].unit(records(kGreen, i))),
+            colour = {to8Bit(channels_[0].unit(records(kRed, i))), to8Bit(channels_[1].unit(records(kGreen, i))),
                       to8Bit(channels_[2].unit(records(kBlue, i)))};
         scan.colours.push_back(colour);
         if (!hasIntensity_) return;
         const double value = records.marked(kIntensityInvalid, i) ? NAN : records(kIntensity, i);
         brightness_.push_back(static_cast<float>(value));
-        if (std::isfinite(value))
-            observed_ = {std::min(observed_.minimum, value), std::max(observed_.maximum, value)};
+        if (std::isfinite(value)) observed_ = {std::min(observed_.minimum, value), std::max(observed_.maximum, value)};
     }
 
     void finish(Scan& scan) const {
         if (!hasIntensity_) return;
         const Limits& limits = intensity_.known() ? intensity_ : observed_;
         for (std::size_t i = 0; i < brightness_.size(); ++i) {
-            const std::uint8_t grey =
-                std::isfinite(brightness_[i]) ? to8Bit(limits.unit(brightness_[i])) : 128;
+            const std::uint8_t grey = std::isfinite(brightness_[i]) ? to8Bit(limits.unit(brightness_[i])) : 128;
             scan.colours[i] = {grey, grey, grey};
         }
     }
@@ -259,12 +251,10 @@ void settleGrid(Scan& scan) {
     const auto [minRow, maxRow] = std::minmax_element(scan.row.begin(), scan.row.end());
     const auto [minColumn, maxColumn] = std::minmax_element(scan.column.begin(), scan.column.end());
     const std::int32_t row0 = *minRow, column0 = *minColumn;
-    const std::int64_t rows = std::int64_t{*maxRow} - row0 + 1,
-                       columns = std::int64_t{*maxColumn} - column0 + 1;
+    const std::int64_t rows = std::int64_t{*maxRow} - row0 + 1, columns = std::int64_t{*maxColumn} - column0 + 1;
     const std::int64_t plausible =
         std::max(kAlwaysPlausibleCells, kMaxCellsPerPoint * static_cast<std::int64_t>(scan.row.size()));
-    if (rows > std::numeric_limits<std::int32_t>::max() || columns > plausible / rows)
-        return forgetGrid(scan);
+    if (rows > std::numeric_limits<std::int32_t>::max() || columns > plausible / rows) return forgetGrid(scan);
     for (std::int32_t& row : scan.row)
         row -= row0;
     for (std::int32_t& column : scan.column)
@@ -290,8 +280,7 @@ Scan readE57Scan(const ScanSource& source) {
 
         Records records(file, points);
         if (!records.has(kX) || !records.has(kY) || !records.has(kZ))
-            throw Failure("scan '" + source.name + "' has no coordinates", source.path,
-                          "export it with coordinates");
+            throw Failure("scan '" + source.name + "' has no coordinates", source.path, "export it with coordinates");
         Colours colours(node, prototype, records);
         scan.hasColour = colours.hasColour;
         if (count == 0) return; // some writers give such a list no bytes at all
@@ -310,8 +299,7 @@ Scan readE57Scan(const ScanSource& source) {
             valid.clear();
             for (std::size_t i = 0; i < n; ++i) {
                 const glm::dvec3 p = records.position(i);
-                const bool representable =
-                    glm::all(glm::lessThan(glm::abs(p), glm::dvec3(FLT_MAX))); // false for NaN
+                const bool representable = glm::all(glm::lessThan(glm::abs(p), glm::dvec3(FLT_MAX))); // false for NaN
                 if (records.marked(kInvalid, i) || !representable) continue;
                 block.push_back(p);
                 valid.push_back(i);

@@ -31,7 +31,8 @@ void openInput(const std::filesystem::path& input, Capture& capture) {
     std::error_code ignored;
     if (!std::filesystem::exists(input, ignored)) throw Failure("no such file or folder", input, "check the path");
     if (std::filesystem::is_directory(input)) {
-        if (std::filesystem::exists(input / "transforms.json")) return listTransformsJson(input / "transforms.json", capture);
+        if (std::filesystem::exists(input / "transforms.json"))
+            return listTransformsJson(input / "transforms.json", capture);
         if (std::filesystem::exists(input / "rgb.txt") && std::filesystem::exists(input / "groundtruth.txt"))
             return listTumRgbd(input, capture);
         throw Failure("folder holds no capture that Revisit knows", input,
@@ -41,25 +42,31 @@ void openInput(const std::filesystem::path& input, Capture& capture) {
     if (extension == ".json") return listTransformsJson(input, capture);
     if (extension == ".e57") return append(capture.scans, listE57(input, capture.remarks));
     if (extension == ".ptx") return append(capture.scans, listPtx(input));
-    throw Failure("format " + (extension.empty() ? std::string("without an extension") : extension) + " is not known", input,
-                  "give an .e57, a .ptx, a transforms.json or a folder in TUM layout");
+    throw Failure("format " + (extension.empty() ? std::string("without an extension") : extension) + " is not known",
+                  input, "give an .e57, a .ptx, a transforms.json or a folder in TUM layout");
 }
 
 /// Bytes of the UTF-8 character at the start of text; 0 if none starts there.
 std::size_t bytesOfCharacter(std::string_view text) {
     const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
-    const std::size_t count = byte(0) < 0x80 ? 1 : byte(0) < 0xc2 ? 0 : byte(0) < 0xe0 ? 2 : byte(0) < 0xf0 ? 3 : byte(0) < 0xf5 ? 4 : 0;
+    const std::size_t count = byte(0) < 0x80   ? 1
+                              : byte(0) < 0xc2 ? 0
+                              : byte(0) < 0xe0 ? 2
+                              : byte(0) < 0xf0 ? 3
+                              : byte(0) < 0xf5 ? 4
+                                               : 0;
     if (count > text.size()) return 0;
     for (std::size_t i = 1; i < count; ++i)
         if ((byte(i) & 0xc0) != 0x80) return 0;
     // Longer than need be, surrogates, and what is beyond Unicode.
-    if ((byte(0) == 0xe0 && byte(1) < 0xa0) || (byte(0) == 0xed && byte(1) > 0x9f) || (byte(0) == 0xf0 && byte(1) < 0x90) ||
-        (byte(0) == 0xf4 && byte(1) > 0x8f))
+    if ((byte(0) == 0xe0 && byte(1) < 0xa0) || (byte(0) == 0xed && byte(1) > 0x9f) ||
+        (byte(0) == 0xf0 && byte(1) < 0x90) || (byte(0) == 0xf4 && byte(1) > 0x8f))
         return 0;
     return count;
 }
 
-/// Names become file names in UTF-8: letters, digits, dash, underscore and dot of any alphabet stay, the rest becomes a dash.
+/// Names become file names in UTF-8: letters, digits, dash, underscore and dot of any alphabet stay, the rest becomes a
+/// dash.
 std::string fileNameOf(const std::string& name) {
     constexpr std::size_t kMaxNameBytes = 100;
     std::string clean;
@@ -80,7 +87,8 @@ void makeNamesUnique(std::vector<Source>& sources, std::unordered_set<std::strin
     for (Source& source : sources) {
         const std::string wanted = fileNameOf(source.name);
         source.name = wanted;
-        for (int i = 2; !taken.insert(source.name).second; ++i) source.name = wanted + "-" + std::to_string(i);
+        for (int i = 2; !taken.insert(source.name).second; ++i)
+            source.name = wanted + "-" + std::to_string(i);
     }
 }
 
@@ -96,7 +104,8 @@ int toCount(std::string_view text, const std::string& rule) {
 
 Capture openCapture(std::span<const std::filesystem::path> inputs) {
     Capture capture;
-    for (const std::filesystem::path& input : inputs) openInput(input, capture);
+    for (const std::filesystem::path& input : inputs)
+        openInput(input, capture);
     std::unordered_set<std::string> taken;
     makeNamesUnique(capture.photos, taken);
     makeNamesUnique(capture.scans, taken);
@@ -117,16 +126,21 @@ std::vector<std::size_t> findHeldOut(const Capture& capture, const std::string& 
         return heldOut;
     }
     std::unordered_map<std::string, std::size_t> indexOf;
-    for (std::size_t i = 0; i < capture.photos.size(); ++i) indexOf.emplace(capture.photos[i].name, i);
+    for (std::size_t i = 0; i < capture.photos.size(); ++i)
+        indexOf.emplace(capture.photos[i].name, i);
     std::ifstream file(rule);
-    if (!file || std::filesystem::is_directory(rule)) throw Failure("no such file", "--hold-out " + rule, "write every:N:FIRST, or name a file with an image name on each line");
+    if (!file || std::filesystem::is_directory(rule))
+        throw Failure("no such file", "--hold-out " + rule,
+                      "write every:N:FIRST, or name a file with an image name on each line");
     std::string name;
     for (std::size_t line = 1; std::getline(file, name); ++line) {
-        while (!name.empty() && std::isspace(static_cast<unsigned char>(name.back()))) name.pop_back();
+        while (!name.empty() && std::isspace(static_cast<unsigned char>(name.back())))
+            name.pop_back();
         if (name.empty()) continue;
         const auto found = indexOf.find(name);
         if (found == indexOf.end())
-            throw Failure("no image is called '" + name + "'", atLine(rule, line), "names are the pictures' file names without extension");
+            throw Failure("no image is called '" + name + "'", atLine(rule, line),
+                          "names are the pictures' file names without extension");
         heldOut.push_back(found->second);
     }
     std::sort(heldOut.begin(), heldOut.end());

@@ -7,12 +7,13 @@
 
 namespace scene {
 
-/// Lists everything in the inputs, reading headers and manifests only. An input is a transforms.json or a folder with one, a
-/// folder in TUM layout, an .e57 or a .ptx file. Names are made unique. Throws Failure for anything else.
+/// Lists everything in the inputs, reading headers and manifests only. An input is a transforms.json or a folder with
+/// one, a folder in TUM layout, an .e57 or a .ptx file. Names are made unique. Throws Failure for anything else.
 Capture openCapture(std::span<const std::filesystem::path> inputs);
 
-/// Which photos --hold-out keeps out of the scene: "every:N:FIRST" (each N-th, counted over the photos, from FIRST on) or a text
-/// file with a name on each line. Returns their indices, ascending. Throws Failure for a name the capture has not.
+/// Which photos --hold-out keeps out of the scene: "every:N:FIRST" (each N-th, counted over the photos, from FIRST on)
+/// or a text file with a name on each line. Returns their indices, ascending. Throws Failure for a name the capture has
+/// not.
 std::vector<std::size_t> findHeldOut(const Capture& capture, const std::string& rule);
 
 } // namespace scene

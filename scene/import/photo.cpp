@@ -17,7 +17,9 @@ namespace {
 /// Neighbouring depth values farther apart than this share of the nearer one belong to different surfaces.
 constexpr float kSilhouetteStep = 0.05f;
 
-std::string sizeText(int width, int height) { return std::to_string(width) + "x" + std::to_string(height); }
+std::string sizeText(int width, int height) {
+    return std::to_string(width) + "x" + std::to_string(height);
+}
 
 cv::Mat readPicture(const std::filesystem::path& path, int mode) {
     if (!std::filesystem::is_regular_file(path))
@@ -26,7 +28,8 @@ cv::Mat readPicture(const std::filesystem::path& path, int mode) {
     try {
         picture = cv::imread(path.string(), mode);
     } catch (const cv::Exception& e) {
-        throw Failure("picture cannot be decoded (" + e.err + ")", path, "export it again, or leave it out of the list");
+        throw Failure("picture cannot be decoded (" + e.err + ")", path,
+                      "export it again, or leave it out of the list");
     }
     if (picture.empty())
         throw Failure("picture is empty, damaged or of an unknown format", path,
@@ -85,7 +88,8 @@ Undistortion findUndistortion(const PhotoSource& source) {
     const cv::Matx33d k(camera.fx, 0, camera.cx - 0.5, 0, camera.fy, camera.cy - 0.5, 0, 0, 1);
     const Distortion& d = source.distortion;
     const cv::Vec<double, 5> coefficients(d.k1, d.k2, d.p1, d.p2, d.k3);
-    cv::initUndistortRectifyMap(k, coefficients, cv::noArray(), k, {camera.width, camera.height}, CV_32FC1, map.x, map.y);
+    cv::initUndistortRectifyMap(k, coefficients, cv::noArray(), k, {camera.width, camera.height}, CV_32FC1, map.x,
+                                map.y);
     map.isIdentity = false;
     return map;
 }

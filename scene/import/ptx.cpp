@@ -54,8 +54,8 @@ std::array<double, N> parseRow(TextLines& lines, const std::filesystem::path& pa
 }
 
 // The 4 x 4 as a rigid motion and a uniform scale.
-void settleTransform(const glm::dmat4& worldFromPoints, const glm::dvec3& scannerInWorld,
-                     const std::string& where, Header& header) {
+void settleTransform(const glm::dmat4& worldFromPoints, const glm::dvec3& scannerInWorld, const std::string& where,
+                     Header& header) {
     glm::dmat4 rigid = worldFromPoints;
     header.scale = std::cbrt(glm::determinant(glm::dmat3(worldFromPoints)));
     if (std::isfinite(header.scale) && header.scale > 0)
@@ -112,8 +112,7 @@ void proveCount(const Header& header, const TextLines& lines) {
 void colourByIntensity(const std::vector<float>& intensities, Scan& scan) {
     float lowest = 0, highest = 1;
     for (const float intensity : intensities)
-        if (std::isfinite(intensity))
-            lowest = std::min(lowest, intensity), highest = std::max(highest, intensity);
+        if (std::isfinite(intensity)) lowest = std::min(lowest, intensity), highest = std::max(highest, intensity);
     for (std::size_t i = 0; i < intensities.size(); ++i) {
         const float unit = (intensities[i] - lowest) / (highest - lowest);
         const auto grey =
@@ -123,8 +122,7 @@ void colourByIntensity(const std::vector<float>& intensities, Scan& scan) {
 }
 
 std::uint8_t colourByte(double value) {
-    return std::isfinite(value) ? static_cast<std::uint8_t>(std::clamp(value, 0.0, 255.0))
-                                : std::uint8_t{128};
+    return std::isfinite(value) ? static_cast<std::uint8_t>(std::clamp(value, 0.0, 255.0)) : std::uint8_t{128};
 }
 
 // The points of one cloud as its lines bring them.
@@ -134,8 +132,7 @@ class Cloud {
 
     void add(std::int64_t cell, std::span<const double> numbers) {
         if (numbers[0] == 0 && numbers[1] == 0 && numbers[2] == 0) return; // no return
-        const glm::dvec3 p =
-            header_.scale * (glm::dvec3(numbers[0], numbers[1], numbers[2]) - header_.scannerInPoints);
+        const glm::dvec3 p = header_.scale * (glm::dvec3(numbers[0], numbers[1], numbers[2]) - header_.scannerInPoints);
         if (!(std::abs(p.x) < FLT_MAX && std::abs(p.y) < FLT_MAX && std::abs(p.z) < FLT_MAX)) {
             ++scan_.invalidPoints;
             return;
@@ -143,9 +140,9 @@ class Cloud {
         const bool hasRgb = numbers.size() >= 6;
         const std::size_t rgb = numbers.size() == 6 ? 3 : 4;
         scan_.hasColour |= hasRgb;
-        scan_.colours.push_back(hasRgb ? Rgb8{colourByte(numbers[rgb]), colourByte(numbers[rgb + 1]),
-                                              colourByte(numbers[rgb + 2])}
-                                       : Rgb8{128, 128, 128});
+        scan_.colours.push_back(
+            hasRgb ? Rgb8{colourByte(numbers[rgb]), colourByte(numbers[rgb + 1]), colourByte(numbers[rgb + 2])}
+                   : Rgb8{128, 128, 128});
         const bool hasIntensity = numbers.size() == 4 || numbers.size() == 7;
         if (!scan_.hasColour) intensities_.push_back(hasIntensity ? static_cast<float>(numbers[3]) : NAN);
         scan_.row.push_back(static_cast<std::int32_t>(cell % header_.rows));
@@ -214,8 +211,7 @@ std::vector<ScanSource> listPtx(const std::filesystem::path& path) {
     if (sources.empty()) throw Failure("is empty", path, "name a scan in E57 or PTX");
     std::set<std::string> names;
     for (ScanSource& source : sources) {
-        const std::string number =
-            sources.size() > 1 ? "-" + std::to_string(source.indexInFile + 1) : std::string();
+        const std::string number = sources.size() > 1 ? "-" + std::to_string(source.indexInFile + 1) : std::string();
         source.name = scanName(path.stem().string() + number, "scan", names);
     }
     return sources;

@@ -44,8 +44,7 @@ bool TextLines::next(std::string_view& text) {
         newline = static_cast<const char*>(std::memchr(window_.data() + at_, '\n', end_ - at_));
         if (newline) break;
         if (end_ - at_ > kMaxLineBytes)
-            throw Failure("has a line longer than " + std::to_string(kMaxLineBytes) +
-                              " bytes; it is not text",
+            throw Failure("has a line longer than " + std::to_string(kMaxLineBytes) + " bytes; it is not text",
                           atByte(path_, byte_), "name a scan in E57 or PTX");
         if (!fill()) break;
     }

@@ -21,7 +21,8 @@ constexpr int kMaxPictureSide = 65536;
 json parseManifest(const std::filesystem::path& manifest) {
     std::error_code error;
     const std::uintmax_t bytes = std::filesystem::file_size(manifest, error);
-    if (error) throw Failure("cannot be read (" + error.message() + ")", manifest, "name the transforms.json of a capture");
+    if (error)
+        throw Failure("cannot be read (" + error.message() + ")", manifest, "name the transforms.json of a capture");
     if (bytes > kMaxManifestBytes)
         throw Failure("manifest is larger than 1 GiB", manifest, "name the transforms.json of a capture");
     std::ifstream file(manifest);
@@ -31,14 +32,16 @@ json parseManifest(const std::filesystem::path& manifest) {
     } catch (const json::parse_error& e) {
         throw Failure("is not valid JSON", atByte(manifest, e.byte), "repair it there, or export the capture again");
     } catch (const json::exception& e) { // a number that no double can hold
-        throw Failure(std::string("is not usable (") + e.what() + ")", manifest, "repair it, or export the capture again");
+        throw Failure(std::string("is not usable (") + e.what() + ")", manifest,
+                      "repair it, or export the capture again");
     }
 }
 
 class FrameReader {
   public:
     FrameReader(const std::filesystem::path& manifest, const json& root, const json& frame, std::size_t index)
-        : manifest_(manifest), root_(root), frame_(frame), where_(manifest.string() + ", frame " + std::to_string(index)) {}
+        : manifest_(manifest), root_(root), frame_(frame),
+          where_(manifest.string() + ", frame " + std::to_string(index)) {}
 
     PhotoSource read() {
         PhotoSource photo;
@@ -50,7 +53,8 @@ class FrameReader {
         photo.worldFromCamera = pose();
         photo.depthUnitMetres = findNumber("depth_unit_scale_factor").value_or(0.001);
         if (!(photo.depthUnitMetres > 0) || !std::isfinite(photo.depthUnitMetres))
-            throw Failure("depth_unit_scale_factor is not a positive number", where_, "give metres per depth step, e.g. 0.001");
+            throw Failure("depth_unit_scale_factor is not a positive number", where_,
+                          "give metres per depth step, e.g. 0.001");
         return photo;
     }
 
@@ -70,7 +74,8 @@ class FrameReader {
             const auto found = from->find(key);
             if (found == from->end() || found->is_null()) continue;
             if (!found->is_number())
-                throw Failure(std::string(key) + " is not a number but " + found->dump().substr(0, 40), where_, "correct it");
+                throw Failure(std::string(key) + " is not a number but " + found->dump().substr(0, 40), where_,
+                              "correct it");
             return found->get<double>();
         }
         return std::nullopt;
@@ -98,14 +103,16 @@ class FrameReader {
         camera.fy = findNumber("fl_y").value_or(camera.fx);
         camera.cx = findNumber("cx").value_or(width / 2);
         camera.cy = findNumber("cy").value_or(height / 2);
-        if (!isUsable(camera)) throw Failure("camera intrinsics are not usable numbers", where_, "correct fl_x, fl_y, cx, cy");
+        if (!isUsable(camera))
+            throw Failure("camera intrinsics are not usable numbers", where_, "correct fl_x, fl_y, cx, cy");
         return camera;
     }
 
     Distortion distortion() const {
         const std::string model = frame_.value("camera_model", root_.value("camera_model", std::string("OPENCV")));
         if (model != "OPENCV" && model != "PINHOLE" && model != "SIMPLE_PINHOLE")
-            throw Failure("camera model " + model + " is not supported", where_, "undistort the pictures to a pinhole first");
+            throw Failure("camera model " + model + " is not supported", where_,
+                          "undistort the pictures to a pinhole first");
         const auto number = [&](const char* key) { return findNumber(key).value_or(0.0); };
         return {number("k1"), number("k2"), number("p1"), number("p2"), number("k3")};
     }
@@ -149,7 +156,8 @@ void listTransformsJson(const std::filesystem::path& manifest, Capture& capture)
     try {
         for (std::size_t i = 0; i < frames->size(); ++i) {
             if (!(*frames)[i].is_object())
-                throw Failure("is not an object", manifest.string() + ", frame " + std::to_string(i), "repair the manifest");
+                throw Failure("is not an object", manifest.string() + ", frame " + std::to_string(i),
+                              "repair the manifest");
             capture.photos.push_back(FrameReader(manifest, root, (*frames)[i], i).read());
         }
     } catch (const json::exception& e) {

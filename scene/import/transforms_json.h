@@ -6,7 +6,8 @@
 
 namespace scene {
 
-/// Appends the frames of the manifest. Frames without a depth file and unusable poses are a Failure that names the frame.
+/// Appends the frames of the manifest. Frames without a depth file and unusable poses are a Failure that names the
+/// frame.
 void listTransformsJson(const std::filesystem::path& manifest, Capture& capture);
 
 } // namespace scene

@@ -40,7 +40,8 @@ void readLines(const std::filesystem::path& path, Take take) {
     for (std::size_t number = 1; std::getline(file, line); ++number) {
         std::istringstream words(line);
         std::vector<std::string> list;
-        for (std::string word; words >> word;) list.push_back(word);
+        for (std::string word; words >> word;)
+            list.push_back(word);
         if (!list.empty() && list.front()[0] != '#') take(list, number);
     }
 }
@@ -71,9 +72,11 @@ std::vector<StampedFile> readFileList(const std::filesystem::path& path) {
 std::vector<StampedPose> readPoses(const std::filesystem::path& path) {
     std::vector<StampedPose> poses;
     readLines(path, [&](const std::vector<std::string>& words, std::size_t line) {
-        if (words.size() < 8) throw Failure("is not a pose", atLine(path, line), "write: timestamp tx ty tz qx qy qz qw");
+        if (words.size() < 8)
+            throw Failure("is not a pose", atLine(path, line), "write: timestamp tx ty tz qx qy qz qw");
         double v[8];
-        for (std::size_t i = 0; i < 8; ++i) v[i] = toNumber(words[i], path, line);
+        for (std::size_t i = 0; i < 8; ++i)
+            v[i] = toNumber(words[i], path, line);
         glm::dquat rotation;
         rotation.x = v[4], rotation.y = v[5], rotation.z = v[6], rotation.w = v[7];
         const double length = glm::length(rotation);
@@ -90,7 +93,8 @@ const StampedFile* findNearest(const std::vector<StampedFile>& files, double tim
                                         [](const StampedFile& file, double t) { return file.time < t; });
     const StampedFile* best = nullptr;
     if (after != files.end()) best = &*after;
-    if (after != files.begin() && (!best || time - std::prev(after)->time < best->time - time)) best = &*std::prev(after);
+    if (after != files.begin() && (!best || time - std::prev(after)->time < best->time - time))
+        best = &*std::prev(after);
     return best && std::abs(best->time - time) <= kMaxTimeDifference ? best : nullptr;
 }
 
@@ -119,7 +123,8 @@ Intrinsics findIntrinsics(const std::filesystem::path& folder, std::vector<std::
     if (std::filesystem::exists(file)) {
         std::vector<double> v;
         readLines(file, [&](const std::vector<std::string>& words, std::size_t line) {
-            for (const std::string& word : words) v.push_back(toNumber(word, file, line));
+            for (const std::string& word : words)
+                v.push_back(toNumber(word, file, line));
         });
         if (v.size() < 4) throw Failure("has fewer than four numbers", file, "write: fx fy cx cy [k1 k2 p1 p2 k3]");
         v.resize(9, 0.0);
@@ -174,8 +179,10 @@ void listTumRgbd(const std::filesystem::path& folder, Capture& capture) {
         if (size.empty()) size = sizeOf(photo.colourPath);
         if (size.empty()) throw Failure("first picture cannot be read", photo.colourPath, "check the paths in rgb.txt");
         // The benchmark counts the centre of the first pixel at 0, we at 1/2.
-        photo.camera = {size.width, size.height, intrinsics.fx, intrinsics.fy, intrinsics.cx + 0.5, intrinsics.cy + 0.5};
-        if (!isUsable(photo.camera)) throw Failure("has a focal length that is not positive", folder / "intrinsics.txt", "write: fx fy cx cy");
+        photo.camera = {size.width,    size.height,         intrinsics.fx,
+                        intrinsics.fy, intrinsics.cx + 0.5, intrinsics.cy + 0.5};
+        if (!isUsable(photo.camera))
+            throw Failure("has a focal length that is not positive", folder / "intrinsics.txt", "write: fx fy cx cy");
         photo.distortion = intrinsics.distortion;
         photo.worldFromCamera = *pose;
         photo.depthUnitMetres = kDepthUnit;
@@ -183,10 +190,12 @@ void listTumRgbd(const std::filesystem::path& folder, Capture& capture) {
         ++taken;
     }
     if (taken == 0)
-        throw Failure("no picture has both depth and a pose within 20 ms", folder, "check the time stamps of the three lists");
+        throw Failure("no picture has both depth and a pose within 20 ms", folder,
+                      "check the time stamps of the three lists");
     if (taken < colours.size())
         capture.remarks.push_back(folder.string() + ": " + std::to_string(colours.size() - taken) + " of " +
-                                  std::to_string(colours.size()) + " pictures have no depth or pose within 20 ms and were left out.");
+                                  std::to_string(colours.size()) +
+                                  " pictures have no depth or pose within 20 ms and were left out.");
 }
 
 } // namespace scene

@@ -29,16 +29,16 @@ DepthImage emptyFace(const Scan& scan, const CubeFrame& frame, int face, const C
 }
 
 // The mesh's disparity and colour at the pixel centres.
-void paintMesh(const Scan& scan, const ScanGrid& grid, const CubeFrame& frame, int face,
-               const Image<MeshPixel>& mesh, DepthImage& image) {
+void paintMesh(const Scan& scan, const ScanGrid& grid, const CubeFrame& frame, int face, const Image<MeshPixel>& mesh,
+               DepthImage& image) {
     const std::uint8_t flags = scan.hasColour ? kInterpolated : kInterpolated | kNoColour;
     tbb::parallel_for(0, mesh.height(), [&](int y) {
         for (int x = 0; x < mesh.width(); ++x) {
             const MeshPixel shown = mesh(x, y);
             if (shown == 0) continue;
             image.disparity(x, y) = disparityOf(shown);
-            image.colour(x, y) = colourAt(scan, cornersOf(grid, triangleOf(shown)), frame, face, image.camera,
-                                          x + 0.5, y + 0.5);
+            image.colour(x, y) =
+                colourAt(scan, cornersOf(grid, triangleOf(shown)), frame, face, image.camera, x + 0.5, y + 0.5);
             image.flags(x, y) = flags;
         }
     });
@@ -48,8 +48,7 @@ template <class T>
 Image<T> cropped(const Image<T>& image, int x0, int y0, int width, int height) {
     Image<T> part(width, height);
     for (int y = 0; y < height; ++y) {
-        const auto from =
-            image.row(y0 + y).subspan(static_cast<std::size_t>(x0), static_cast<std::size_t>(width));
+        const auto from = image.row(y0 + y).subspan(static_cast<std::size_t>(x0), static_cast<std::size_t>(width));
         std::copy(from.begin(), from.end(), part.row(y).begin());
     }
     return part;
@@ -86,8 +85,7 @@ std::array<std::vector<std::uint32_t>, kFaceCount> pointsOfFaces(const Scan& sca
     });
     std::array<std::vector<std::uint32_t>, kFaceCount> points;
     for (std::size_t i = 0; i < faceOf.size(); ++i)
-        if (faceOf[i] >= 0)
-            points[static_cast<std::size_t>(faceOf[i])].push_back(static_cast<std::uint32_t>(i));
+        if (faceOf[i] >= 0) points[static_cast<std::size_t>(faceOf[i])].push_back(static_cast<std::uint32_t>(i));
     return points;
 }
 

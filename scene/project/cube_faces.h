@@ -18,16 +18,15 @@ struct CubeFaceOptions {
 
 /// What became of the points.
 struct CubeFaceReport {
-    std::int64_t points = 0; ///< in the scan
-    std::int64_t held = 0; ///< stand as a sample of some face: the sample of their pixel is on their surface
-    std::int64_t dropped = 0;                         ///< at the scanner's origin, or deeper than maxLayers
+    std::int64_t points = 0;  ///< in the scan
+    std::int64_t held = 0;    ///< stand as a sample of some face: the sample of their pixel is on their surface
+    std::int64_t dropped = 0; ///< at the scanner's origin, or deeper than maxLayers
     double columnStepRadians = 0, rowStepRadians = 0; ///< the scan's angular density
     bool coarserThanScan = false;                     ///< maxFaceSize did not allow that density
 };
 
 struct CubeFaces {
-    std::vector<DepthImage>
-        faces; ///< names SCAN-front, -left, ...; empty faces are left out; layers get -2, -3, ...
+    std::vector<DepthImage> faces; ///< names SCAN-front, -left, ...; empty faces are left out; layers get -2, -3, ...
     CubeFaceReport report;
 };
 

@@ -117,8 +117,8 @@ CubeFrame cubeFrame(const Scan& scan, const glm::dvec3& copInScanner) {
     CubeFrame frame;
     frame.copInScanner = copInScanner;
     const double azimuth = frontAzimuth(scan, copInScanner);
-    const glm::dvec3 front(std::cos(azimuth), std::sin(azimuth), 0),
-        right(std::sin(azimuth), -std::cos(azimuth), 0), up(0, 0, 1);
+    const glm::dvec3 front(std::cos(azimuth), std::sin(azimuth), 0), right(std::sin(azimuth), -std::cos(azimuth), 0),
+        up(0, 0, 1);
     const auto look = [&](int face, const glm::dvec3& x, const glm::dvec3& y, const glm::dvec3& z) {
         frame.faceFromScanner[static_cast<std::size_t>(face)] = glm::transpose(glm::dmat3(x, y, z));
     };
@@ -131,9 +131,8 @@ CubeFrame cubeFrame(const Scan& scan, const glm::dvec3& copInScanner) {
     return frame;
 }
 
-std::array<FaceLayout, kFaceCount> layOutFaces(const Scan& scan, const CubeFrame& frame,
-                                               const AngularSteps& steps, bool isMesh,
-                                               const CubeFaceOptions& options) {
+std::array<FaceLayout, kFaceCount> layOutFaces(const Scan& scan, const CubeFrame& frame, const AngularSteps& steps,
+                                               bool isMesh, const CubeFaceOptions& options) {
     assert(steps.horizontal > 0 && steps.vertical > 0 && options.maxFaceSize >= 16);
     // A neighbour's point counts where a square of the mesh may carry it over the edge.
     const double finest = std::min(steps.horizontal, steps.vertical);
@@ -146,12 +145,9 @@ std::array<FaceLayout, kFaceCount> layOutFaces(const Scan& scan, const CubeFrame
         // About the poles the two steps turn with the azimuth; the finer one serves both axes.
         const bool isSide = face < 4;
         const int overlap = isMesh ? kMeshOverlapPixels : 0;
-        const Axis x =
-            layOutAxis(b.minX, b.maxX, isSide ? steps.horizontal : finest, overlap, options.maxFaceSize);
-        const Axis y =
-            layOutAxis(b.minY, b.maxY, isSide ? steps.vertical : finest, overlap, options.maxFaceSize);
-        layouts[face] = {Camera{x.size, y.size, x.focal, y.focal, x.centre, y.centre},
-                         x.coarser || y.coarser};
+        const Axis x = layOutAxis(b.minX, b.maxX, isSide ? steps.horizontal : finest, overlap, options.maxFaceSize);
+        const Axis y = layOutAxis(b.minY, b.maxY, isSide ? steps.vertical : finest, overlap, options.maxFaceSize);
+        layouts[face] = {Camera{x.size, y.size, x.focal, y.focal, x.centre, y.centre}, x.coarser || y.coarser};
     }
     return layouts;
 }

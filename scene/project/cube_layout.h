@@ -20,8 +20,7 @@
 namespace scene {
 
 inline constexpr int kFaceCount = 6;
-inline constexpr std::array<const char*, kFaceCount> kFaceNames{"front", "left", "back",
-                                                                "right", "up",   "down"};
+inline constexpr std::array<const char*, kFaceCount> kFaceNames{"front", "left", "back", "right", "up", "down"};
 /// Points nearer to the centre of projection than this have no disparity that is worth storing.
 inline constexpr double kNearestMetres = 1e-4;
 
@@ -54,8 +53,7 @@ struct FaceLayout {
 };
 inline constexpr int kMeshOverlapPixels = 2;
 
-std::array<FaceLayout, kFaceCount> layOutFaces(const Scan& scan, const CubeFrame& frame,
-                                               const AngularSteps& steps, bool isMesh,
-                                               const CubeFaceOptions& options);
+std::array<FaceLayout, kFaceCount> layOutFaces(const Scan& scan, const CubeFrame& frame, const AngularSteps& steps,
+                                               bool isMesh, const CubeFaceOptions& options);
 
 } // namespace scene

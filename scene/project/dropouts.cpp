@@ -40,8 +40,9 @@ struct PlaneSums {
     }
 };
 
-/// Whether the pixel lies between members: within their convex hull. Their directions are gathered into a cone from first to
-/// last, counter-clockwise and narrower than half a turn; a member in the opposite cone closes the hull about the pixel.
+/// Whether the pixel lies between members: within their convex hull. Their directions are gathered into a cone from
+/// first to last, counter-clockwise and narrower than half a turn; a member in the opposite cone closes the hull about
+/// the pixel.
 bool isSurrounded(const std::vector<Neighbour>& members) {
     const auto cross = [](const Neighbour& a, const Neighbour& b) { return a.dx * b.dy - a.dy * b.dx; };
     const auto dot = [](const Neighbour& a, const Neighbour& b) { return a.dx * b.dx + a.dy * b.dy; };
@@ -67,8 +68,8 @@ std::span<const Neighbour> heaviestCluster(const std::vector<Neighbour>& neighbo
         do {
             weight += neighbours[last].weight;
             ++last;
-        } while (last < neighbours.size() &&
-                 neighbours[last].disparity - neighbours[last - 1].disparity <= sameSurface * neighbours[last].disparity);
+        } while (last < neighbours.size() && neighbours[last].disparity - neighbours[last - 1].disparity <=
+                                                 sameSurface * neighbours[last].disparity);
         if (weight > bestWeight) bestWeight = weight, bestFirst = first, bestLast = last;
     }
     return std::span(neighbours).subspan(bestFirst, bestLast - bestFirst);
@@ -88,7 +89,8 @@ std::int64_t fillDropouts(DepthImage& image, const DropoutOptions& options) {
                 for (int i = std::max(x - radius, 0); i <= std::min(x + radius, width - 1); ++i) {
                     if (!isSurface(image.flags(i, j)) || image.disparity(i, j) <= 0) continue;
                     const auto support = static_cast<float>(radius + 1);
-                    const float weight = (support - static_cast<float>(std::abs(i - x))) * (support - static_cast<float>(std::abs(j - y)));
+                    const float weight = (support - static_cast<float>(std::abs(i - x))) *
+                                         (support - static_cast<float>(std::abs(j - y)));
                     neighbours.push_back({i - x, j - y, image.disparity(i, j), weight});
                 }
             if (std::ssize(neighbours) < options.minSamples) continue;
@@ -100,10 +102,13 @@ std::int64_t fillDropouts(DepthImage& image, const DropoutOptions& options) {
             members.assign(cluster.begin(), cluster.end());
             if (std::ssize(members) < options.minSamples || !isSurrounded(members)) continue;
             PlaneSums plane;
-            for (const Neighbour& n : members) plane.add(n);
-            // On a plane the pixel may stand out from all members a little, as at the image's rim; noise gets no farther.
+            for (const Neighbour& n : members)
+                plane.add(n);
+            // On a plane the pixel may stand out from all members a little, as at the image's rim; noise gets no
+            // farther.
             const double least = members.front().disparity, most = members.back().disparity;
-            filled(x, y) = static_cast<float>(std::clamp(plane.atCentre(), least - (most - least), most + (most - least)));
+            filled(x, y) =
+                static_cast<float>(std::clamp(plane.atCentre(), least - (most - least), most + (most - least)));
         }
     });
     std::int64_t count = 0;

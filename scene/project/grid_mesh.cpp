@@ -20,8 +20,7 @@ namespace {
 //     |     |      kind 1: b e d     kind 3: a e d
 //     d --- e
 enum Corner { kA, kB, kD, kE };
-constexpr std::array<std::array<Corner, 3>, 4> kKinds{
-    {{kA, kB, kD}, {kB, kE, kD}, {kA, kB, kE}, {kA, kE, kD}}};
+constexpr std::array<std::array<Corner, 3>, 4> kKinds{{{kA, kB, kD}, {kB, kE, kD}, {kA, kB, kE}, {kA, kE, kD}}};
 
 using Square = std::array<std::int32_t, 4>; ///< points at a, b, d, e; -1 where there is none
 
@@ -69,9 +68,7 @@ class Drawing {
                         c = projectVertex(camera_, vc.inFace);
         const double area = edge(a, b, c.x, c.y);
         if (!(std::abs(area) > 1e-9)) return; // seen edge-on: its points are stamped
-        const auto firstCentre = [](double from) {
-            return static_cast<int>(std::ceil(std::max(from, 0.0) - 0.5));
-        };
+        const auto firstCentre = [](double from) { return static_cast<int>(std::ceil(std::max(from, 0.0) - 0.5)); };
         const auto lastCentre = [](double to, int size) {
             return static_cast<int>(std::floor(std::min(to, double(size)) - 0.5));
         };
@@ -80,16 +77,13 @@ class Drawing {
         const int y1 = lastCentre(std::max({a.y, b.y, c.y}), image_.height());
         const double low = std::min({a.disparity, b.disparity, c.disparity});
         const double high = std::max({a.disparity, b.disparity, c.disparity});
-        constexpr double kOnEdge =
-            -1e-9; // a centre on the edge of two triangles belongs to both, rounding or not
+        constexpr double kOnEdge = -1e-9; // a centre on the edge of two triangles belongs to both, rounding or not
         for (int y = std::max(y0, 0); y <= y1; ++y)
             for (int x = std::max(x0, 0); x <= x1; ++x) {
-                const double wa = edge(b, c, x + 0.5, y + 0.5) / area,
-                             wb = edge(c, a, x + 0.5, y + 0.5) / area;
+                const double wa = edge(b, c, x + 0.5, y + 0.5) / area, wb = edge(c, a, x + 0.5, y + 0.5) / area;
                 const double wc = 1.0 - wa - wb;
                 if (wa < kOnEdge || wb < kOnEdge || wc < kOnEdge) continue;
-                const double disparity =
-                    std::clamp(wa * a.disparity + wb * b.disparity + wc * c.disparity, low, high);
+                const double disparity = std::clamp(wa * a.disparity + wb * b.disparity + wc * c.disparity, low, high);
                 keepNearer(image_(x, y), meshPixel(static_cast<float>(disparity), number));
             }
     }
@@ -98,8 +92,7 @@ class Drawing {
     static void keepNearer(MeshPixel& pixel, MeshPixel candidate) {
         const std::atomic_ref<MeshPixel> shared(pixel);
         MeshPixel seen = shared.load(std::memory_order_relaxed);
-        while (candidate > seen &&
-               !shared.compare_exchange_weak(seen, candidate, std::memory_order_relaxed)) {
+        while (candidate > seen && !shared.compare_exchange_weak(seen, candidate, std::memory_order_relaxed)) {
         }
     }
 
@@ -119,34 +112,31 @@ Image<MeshPixel> drawGrid(const Scan& scan, const ScanGrid& grid, const CubeFram
     const auto drawSquare = [&](int x, int y) {
         const int right = x + 1 < width ? x + 1 : 0;
         const std::uint8_t a = grid.links(x, y), b = grid.links(right, y), d = grid.links(x, y + 1);
-        const bool top = a & kLinkRight, left = a & kLinkBelow, bottom = d & kLinkRight,
-                   rightSide = b & kLinkBelow;
+        const bool top = a & kLinkRight, left = a & kLinkBelow, bottom = d & kLinkRight, rightSide = b & kLinkBelow;
         // A triangle is on one surface if both of its sides along the grid are.
-        const std::array<bool, 4> isSurface{top && left, rightSide && bottom, top && rightSide,
-                                            left && bottom};
+        const std::array<bool, 4> isSurface{top && left, rightSide && bottom, top && rightSide, left && bottom};
         if (isSurface == std::array<bool, 4>{}) return;
 
         const Square square = squareAt(grid, x, y);
         std::array<Vertex, 4> vertices;
         for (std::size_t corner = 0; corner < 4; ++corner) {
             if (square[corner] < 0) continue; // then no side that ends there is linked
-            const glm::dvec3 p =
-                frame.inFace(face, scan.pointsInScanner[static_cast<std::size_t>(square[corner])]);
+            const glm::dvec3 p = frame.inFace(face, scan.pointsInScanner[static_cast<std::size_t>(square[corner])]);
             if (!drawing.mayTouch(p)) return;
             vertices[corner] = {p, glm::length(p)};
         }
         const auto draw = [&](std::uint32_t kind) {
             if (!isSurface[kind]) return false;
             const auto& [i, j, k] = kKinds[kind];
-            const std::uint32_t cell = static_cast<std::uint32_t>(y) * static_cast<std::uint32_t>(width) +
-                                       static_cast<std::uint32_t>(x);
+            const std::uint32_t cell =
+                static_cast<std::uint32_t>(y) * static_cast<std::uint32_t>(width) + static_cast<std::uint32_t>(x);
             drawing.triangle(vertices[i], vertices[j], vertices[k], 4 * cell + kind);
             return true;
         };
         // The diagonal along which the range changes less follows an edge better; the other one serves where
         // only its triangle is a surface.
-        const bool fallsB = std::abs(vertices[kB].range - vertices[kD].range) <=
-                            std::abs(vertices[kA].range - vertices[kE].range);
+        const bool fallsB =
+            std::abs(vertices[kB].range - vertices[kD].range) <= std::abs(vertices[kA].range - vertices[kE].range);
         const std::uint32_t first = fallsB ? 0 : 2, second = fallsB ? 2 : 0;
         const bool drawn = draw(first) | draw(first + 1);
         if (!drawn && !draw(second)) draw(second + 1);

@@ -38,9 +38,7 @@ std::uint64_t curvePlace(const glm::dvec3& p) {
     for (int i = 1; i < 3; ++i)
         if (std::abs(p[i]) > std::abs(p[axis])) axis = i;
     const double u = p[(axis + 1) % 3] / p[axis], v = p[(axis + 2) % 3] / p[axis];
-    const auto quantise = [](double t) {
-        return static_cast<std::uint32_t>((t + 1.0) * 0.5 * ((1 << 30) - 1));
-    };
+    const auto quantise = [](double t) { return static_cast<std::uint32_t>((t + 1.0) * 0.5 * ((1 << 30) - 1)); };
     const std::uint64_t face = static_cast<std::uint64_t>(2 * axis + (p[axis] < 0));
     return face << 60 | spread(quantise(u)) | spread(quantise(v)) << 1;
 }
@@ -87,8 +85,7 @@ AngularSteps looseSteps(const Scan& scan, const glm::dvec3& copInScanner) {
     places.reserve(scan.pointsInScanner.size());
     for (std::size_t i = 0; i < scan.pointsInScanner.size(); ++i) {
         const glm::dvec3 p = glm::dvec3(scan.pointsInScanner[i]) - copInScanner;
-        if (glm::length(p) >= kNearestMetres)
-            places.push_back({curvePlace(p), static_cast<std::uint32_t>(i)});
+        if (glm::length(p) >= kNearestMetres) places.push_back({curvePlace(p), static_cast<std::uint32_t>(i)});
     }
     tbb::parallel_sort(places.begin(), places.end());
 
@@ -103,8 +100,7 @@ AngularSteps looseSteps(const Scan& scan, const glm::dvec3& copInScanner) {
     tbb::parallel_for(std::size_t{0}, nearest.size(), [&](std::size_t k) {
         const std::size_t i = k * stride;
         const glm::dvec3 own = directionOf(i);
-        const std::size_t begin = i > kWindow ? i - kWindow : 0,
-                          end = std::min(places.size(), i + kWindow + 1);
+        const std::size_t begin = i > kWindow ? i - kWindow : 0, end = std::min(places.size(), i + kWindow + 1);
         for (std::size_t j = begin; j < end; ++j) {
             const double angle = glm::distance(own, directionOf(j));
             if (angle > kSameDirection) nearest[k] = std::min(nearest[k], angle);
@@ -124,8 +120,8 @@ glm::dvec3 viewpointOf(const Scan& scan) {
     const glm::dvec3 origin(0.0);
     // A handful of points tells nothing of who measured them; only one at the very origin must be escaped.
     constexpr std::size_t kTooFewToJudge = 64;
-    const bool oneAtOrigin = std::any_of(points.begin(), points.end(),
-                                         [](const glm::dvec3& p) { return glm::length(p) < kNearestMetres; });
+    const bool oneAtOrigin =
+        std::any_of(points.begin(), points.end(), [](const glm::dvec3& p) { return glm::length(p) < kNearestMetres; });
     if (points.size() < kTooFewToJudge && !oneAtOrigin) return origin;
 
     // Whoever measured the points saw one surface in each direction. Where the origin is a survey mark, a
@@ -153,8 +149,7 @@ glm::dvec3 viewpointOf(const Scan& scan) {
     tbb::parallel_for(0, static_cast<int>(hidden.size()),
                       [&](int i) { hidden[static_cast<std::size_t>(i)] = hiddenShare(points, placeAt(i)); });
     const auto best = std::min_element(hidden.begin(), hidden.end());
-    return *best < hiddenFromOrigin - kWorthMoving ? placeAt(static_cast<int>(best - hidden.begin()))
-                                                   : origin;
+    return *best < hiddenFromOrigin - kWorthMoving ? placeAt(static_cast<int>(best - hidden.begin())) : origin;
 }
 
 } // namespace scene

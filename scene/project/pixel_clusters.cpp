@@ -43,8 +43,8 @@ class Placement {
   public:
     Placement(const Scan& scan, const CubeFrame& frame, int faceIndex, const ScanGrid* grid,
               const Image<MeshPixel>& mesh, const CubeFaceOptions& options, DepthImage& face)
-        : scan_(scan), frame_(frame), faceIndex_(faceIndex), grid_(grid), mesh_(mesh), options_(options),
-          face_(face), ratio_(1.0 + options.sameSurface) {}
+        : scan_(scan), frame_(frame), faceIndex_(faceIndex), grid_(grid), mesh_(mesh), options_(options), face_(face),
+          ratio_(1.0 + options.sameSurface) {}
 
     // Pixel and point in one number that sorts by pixel first.
     std::uint64_t key(std::uint32_t point) const {
@@ -146,12 +146,11 @@ class Placement {
 } // namespace
 
 PixelClusters placePoints(const Scan& scan, const CubeFrame& frame, int faceIndex,
-                          std::span<const std::uint32_t> points, const ScanGrid* grid,
-                          const Image<MeshPixel>& mesh, const CubeFaceOptions& options, DepthImage& face) {
+                          std::span<const std::uint32_t> points, const ScanGrid* grid, const Image<MeshPixel>& mesh,
+                          const CubeFaceOptions& options, DepthImage& face) {
     const Placement placement(scan, frame, faceIndex, grid, mesh, options, face);
     std::vector<std::uint64_t> keys(points.size());
-    tbb::parallel_for(std::size_t{0}, keys.size(),
-                      [&](std::size_t i) { keys[i] = placement.key(points[i]); });
+    tbb::parallel_for(std::size_t{0}, keys.size(), [&](std::size_t i) { keys[i] = placement.key(points[i]); });
     tbb::parallel_sort(keys.begin(), keys.end());
 
     // A pixel belongs to the chunk its first point falls into.

@@ -31,7 +31,7 @@ struct PixelClusters {
 /// for loose points. points: all of the scan that belong to this face. Writes to face; clears kInterpolated
 /// where a point stands.
 PixelClusters placePoints(const Scan& scan, const CubeFrame& frame, int faceIndex,
-                          std::span<const std::uint32_t> points, const ScanGrid* grid,
-                          const Image<MeshPixel>& mesh, const CubeFaceOptions& options, DepthImage& face);
+                          std::span<const std::uint32_t> points, const ScanGrid* grid, const Image<MeshPixel>& mesh,
+                          const CubeFaceOptions& options, DepthImage& face);
 
 } // namespace scene

@@ -24,8 +24,7 @@ double median(std::vector<double>& values) {
 }
 
 double azimuthBetween(const glm::vec3& a, const glm::vec3& b) {
-    const double angle =
-        std::abs(std::atan2(double{a.y}, double{a.x}) - std::atan2(double{b.y}, double{b.x}));
+    const double angle = std::abs(std::atan2(double{a.y}, double{a.x}) - std::atan2(double{b.y}, double{b.x}));
     return std::min(angle, 2 * kPi - angle);
 }
 
@@ -46,8 +45,7 @@ struct Changes {
 // About 256 rows and columns speak for the whole grid.
 Changes changesAlong(const Scan& scan, const Image<std::int32_t>& cells, int dx, int dy) {
     Changes changes;
-    const int strideX = dx ? 1 : std::max(1, cells.width() / 256),
-              strideY = dy ? 1 : std::max(1, cells.height() / 256);
+    const int strideX = dx ? 1 : std::max(1, cells.width() / 256), strideY = dy ? 1 : std::max(1, cells.height() / 256);
     for (int y = 0; y + dy < cells.height(); y += strideY)
         for (int x = 0; x + dx < cells.width(); x += strideX) {
             const std::int32_t a = cells(x, y), b = cells(x + dx, y + dy);
@@ -67,8 +65,7 @@ std::optional<AngularSteps> stepsOf(const Scan& scan, const Image<std::int32_t>&
                              std::max(median(across.elevation), kFinestStep)};
     // Regular directions fill the sphere once, or twice for scanners that turn over the zenith; loose points
     // in an arbitrary order jump about and would fill it many times.
-    const double filled =
-        static_cast<double>(scan.pointsInScanner.size()) * steps.horizontal * steps.vertical;
+    const double filled = static_cast<double>(scan.pointsInScanner.size()) * steps.horizontal * steps.vertical;
     if (steps.horizontal > 0.2 || steps.vertical > 0.2 || filled > 3.0 * 4.0 * kPi) return std::nullopt;
     return steps;
 }
@@ -124,8 +121,7 @@ class Linking {
     // How far, relatively, `next` lies before (> 0) or behind the plane through the point before and the one
     // at `range`.
     static double offPlane(const std::optional<glm::dvec3>& before, double range, double next) {
-        if (!before)
-            return std::numeric_limits<double>::quiet_NaN(); // which is within no bound and has no sign
+        if (!before) return std::numeric_limits<double>::quiet_NaN(); // which is within no bound and has no sign
         const double expected = 2.0 / range - 1.0 / glm::length(*before);
         return 1.0 - expected * next;
     }
@@ -153,8 +149,7 @@ void linkCells(const Scan& scan, double sameSurface, ScanGrid& grid) {
 std::optional<ScanGrid> gridOf(const Scan& scan, double sameSurface) {
     // A triangle of the mesh is known by four times its cell's index, in 32 bits.
     constexpr std::int64_t kMostCells = 1 << 30;
-    if (scan.rows < 2 || scan.columns < 2 || std::int64_t{scan.rows} * scan.columns > kMostCells)
-        return std::nullopt;
+    if (scan.rows < 2 || scan.columns < 2 || std::int64_t{scan.rows} * scan.columns > kMostCells) return std::nullopt;
     assert(scan.row.size() == scan.pointsInScanner.size() && scan.column.size() == scan.row.size());
     ScanGrid grid;
     grid.pointOfCell = Image<std::int32_t>(scan.columns, scan.rows, -1);

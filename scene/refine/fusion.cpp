@@ -39,7 +39,9 @@ glm::vec3 colourOf(const DepthImage& image, int x, int y) {
     return {c.r, c.g, c.b};
 }
 
-std::uint8_t toByte(float value) { return static_cast<std::uint8_t>(std::clamp(value + 0.5f, 0.f, 255.f)); }
+std::uint8_t toByte(float value) {
+    return static_cast<std::uint8_t>(std::clamp(value + 0.5f, 0.f, 255.f));
+}
 
 } // namespace
 
@@ -83,7 +85,8 @@ DepthImage fuse(ImageStore& images, std::size_t index, const std::vector<Partner
             const Comparison comparison = compareWith(partner, at, options.comparison);
             if (comparison.relation != Relation::agrees || !comparison.isSmooth) return;
 
-            // To the point, from here and from the partner; both times disparity, so that the sky needs no special case.
+            // To the point, from here and from the partner; both times disparity, so that the sky needs no special
+            // case.
             const glm::vec3 fromHere(rayX[static_cast<std::size_t>(x)], rayY[static_cast<std::size_t>(y)], 1.f);
             const glm::vec3 fromPartner = fromHere - d * partnerInCamera;
             const float cosine = glm::dot(glm::normalize(fromHere), glm::normalize(fromPartner));
@@ -93,8 +96,13 @@ DepthImage fuse(ImageStore& images, std::size_t index, const std::vector<Partner
             const float confidence = nearness * std::exp(-angleSquared * perAngle);
 
             Mean& mean = means(x, y);
-            mean.disparity += nearness * disparityOnPartner(into, px, py, comparison.disparity);
-            mean.disparityWeight += nearness;
+            // Where the ray runs along the partner's image plane that intersection says nothing: it is then far off, or
+            // behind.
+            const float onPartner = disparityOnPartner(into, px, py, comparison.disparity);
+            if (std::abs(onPartner - d) <= 2 * options.comparison.sameSurface * d) {
+                mean.disparity += nearness * onPartner;
+                mean.disparityWeight += nearness;
+            }
             const glm::vec3 colour = colourAt(partner, at.u, at.v);
             const glm::vec3 change = colour - colourOf(image, x, y);
             const float weight = confidence * std::exp(-glm::dot(change, change) * perColour);
@@ -116,8 +124,8 @@ DepthImage fuse(ImageStore& images, std::size_t index, const std::vector<Partner
     for (int y = 0; y < camera.height; ++y)
         for (int x = 0; x < camera.width; ++x)
             if (kept(x, y) != Keep::base)
-                fused.flags(x, y) = static_cast<std::uint8_t>(fused.flags(x, y) |
-                                                              (kept(x, y) == Keep::no ? kRedundant : kDirectional));
+                fused.flags(x, y) =
+                    static_cast<std::uint8_t>(fused.flags(x, y) | (kept(x, y) == Keep::no ? kRedundant : kDirectional));
     return fused;
 }
 

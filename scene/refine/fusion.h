@@ -1,6 +1,6 @@
 #pragma once
-// Fusion: the sample that is kept takes the confidence-weighted mean of all images that agree with it, in colour and disparity.
-// Beyond the papers: dropping the others then costs nothing, and noise falls.
+// Fusion: the sample that is kept takes the confidence-weighted mean of all images that agree with it, in colour and
+// disparity. Beyond the papers: dropping the others then costs nothing, and noise falls.
 
 #include "scene/image_store.h"
 #include "scene/refine/pairs.h"
@@ -16,8 +16,8 @@ struct FusionOptions {
     ComparisonOptions comparison;
 };
 
-/// The image with fused colour and disparity, for every sample that drawing needs: kept ones and those that share a mesh square
-/// with one. The flags of the result say what is kept: kRedundant, kDirectional or neither.
+/// The image with fused colour and disparity, for every sample that drawing needs: kept ones and those that share a
+/// mesh square with one. The flags of the result say what is kept: kRedundant, kDirectional or neither.
 DepthImage fuse(ImageStore& images, std::size_t index, const std::vector<Partner>& partners, const Image<Keep>& kept,
                 const FusionOptions& options);
 

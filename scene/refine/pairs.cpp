@@ -19,7 +19,8 @@ namespace {
 constexpr int kOutlineColumns = 24, kOutlineRows = 18;
 /// The outlines are coarse: surfaces within this relative difference of disparity may well be the same.
 constexpr float kRoughlySame = 0.3f;
-/// Bounds are drawn wider by this share of the range: a wall along an axis has none of its own, and registration is off.
+/// Bounds are drawn wider by this share of the range: a wall along an axis has none of its own, and registration is
+/// off.
 constexpr double kSlack = 0.02;
 
 struct WorldBox {
@@ -44,7 +45,8 @@ WorldBox boundsOf(const ImageOutline& outline) {
         for (int column = 0; column < outline.columns; ++column) {
             const float d = outline.disparity[static_cast<std::size_t>(row * outline.columns + column)];
             if (d <= 0) continue;
-            const glm::dvec3 ray = rayThrough(outline.camera, sampleColumn(outline, column) + 0.5, sampleRow(outline, row) + 0.5);
+            const glm::dvec3 ray =
+                rayThrough(outline.camera, sampleColumn(outline, column) + 0.5, sampleRow(outline, row) + 0.5);
             const glm::dvec3 p = outline.worldFromCamera * (ray / static_cast<double>(d));
             const double slack = kSlack * glm::length(ray) / static_cast<double>(d);
             for (int axis = 0; axis < 3; ++axis) {
@@ -56,7 +58,8 @@ WorldBox boundsOf(const ImageOutline& outline) {
 }
 
 float shareSeen(const ImageOutline& source, const ImageOutline& target) {
-    const Reprojection into = reprojectionInto(target.camera, target.worldFromCamera, source.camera, source.worldFromCamera);
+    const Reprojection into =
+        reprojectionInto(target.camera, target.worldFromCamera, source.camera, source.worldFromCamera);
     int seen = 0, all = 0;
     for (int row = 0; row < source.rows; ++row)
         for (int column = 0; column < source.columns; ++column) {
@@ -69,7 +72,8 @@ float shareSeen(const ImageOutline& source, const ImageOutline& target) {
             const float x = at.u * static_cast<float>(target.columns) / static_cast<float>(target.camera.width);
             const float y = at.v * static_cast<float>(target.rows) / static_cast<float>(target.camera.height);
             if (!(x < static_cast<float>(target.columns)) || !(y < static_cast<float>(target.rows))) continue;
-            const float there = target.disparity[static_cast<std::size_t>(static_cast<int>(y) * target.columns + static_cast<int>(x))];
+            const float there =
+                target.disparity[static_cast<std::size_t>(static_cast<int>(y) * target.columns + static_cast<int>(x))];
             if (there > 0 && std::abs(there - at.disparity) <= kRoughlySame * std::max(there, at.disparity)) ++seen;
         }
     return all > 0 ? static_cast<float>(seen) / static_cast<float>(all) : 0.f;
@@ -78,8 +82,11 @@ float shareSeen(const ImageOutline& source, const ImageOutline& target) {
 } // namespace
 
 ImageOutline outlineOf(const DepthImage& image) {
-    ImageOutline outline{image.camera, image.worldFromCamera, std::min(kOutlineColumns, image.camera.width),
-                         std::min(kOutlineRows, image.camera.height), {}};
+    ImageOutline outline{image.camera,
+                         image.worldFromCamera,
+                         std::min(kOutlineColumns, image.camera.width),
+                         std::min(kOutlineRows, image.camera.height),
+                         {}};
     for (int row = 0; row < outline.rows; ++row)
         for (int column = 0; column < outline.columns; ++column) {
             // Sparse depth: the first sample found near the place stands for it.
@@ -122,7 +129,8 @@ std::vector<std::vector<Partner>> findPartners(const std::vector<ImageOutline>& 
     std::vector<std::vector<Partner>> partners(count);
     tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
         for (const std::uint32_t other : meeting[i]) {
-            const float share = std::max(shareSeen(outlines[i], outlines[other]), shareSeen(outlines[other], outlines[i]));
+            const float share =
+                std::max(shareSeen(outlines[i], outlines[other]), shareSeen(outlines[other], outlines[i]));
             if (share >= minShare) partners[i].push_back({other, share});
         }
         std::sort(partners[i].begin(), partners[i].end(), [](const Partner& a, const Partner& b) {

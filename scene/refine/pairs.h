@@ -23,8 +23,8 @@ struct Partner {
     float share = 0; ///< of this image's samples, how many lie in the partner's image about where it has its surface
 };
 
-/// For each image its partners, the greatest share first, none below minShare. Images whose bounds in the world do not meet are
-/// never compared, so the time grows with the overlap and not with the square of the number of images.
+/// For each image its partners, the greatest share first, none below minShare. Images whose bounds in the world do not
+/// meet are never compared, so the time grows with the overlap and not with the square of the number of images.
 std::vector<std::vector<Partner>> findPartners(const std::vector<ImageOutline>& outlines, float minShare = 0.02f);
 
 } // namespace scene

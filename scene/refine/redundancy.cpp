@@ -45,17 +45,20 @@ std::vector<RankedTile> rateTiles(const DepthImage& image, std::uint32_t index, 
     return tiles;
 }
 
-/// Images in the order in which they are preferred where tiles are of like quality: those that share most with others first, so
-/// that few images keep most of the scene in large pieces.
+/// Images in the order in which they are preferred where tiles are of like quality: those that share most with others
+/// first, so that few images keep most of the scene in large pieces.
 std::vector<std::uint32_t> rankImages(const std::vector<std::vector<Partner>>& partners) {
     std::vector<float> shared(partners.size(), 0.f);
     for (std::size_t i = 0; i < partners.size(); ++i)
-        for (const Partner& partner : partners[i]) shared[i] += partner.share;
+        for (const Partner& partner : partners[i])
+            shared[i] += partner.share;
     std::vector<std::uint32_t> order(partners.size());
     std::iota(order.begin(), order.end(), 0u);
-    std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) { return shared[a] > shared[b]; });
+    std::stable_sort(order.begin(), order.end(),
+                     [&](std::uint32_t a, std::uint32_t b) { return shared[a] > shared[b]; });
     std::vector<std::uint32_t> rankOf(partners.size());
-    for (std::uint32_t rank = 0; rank < order.size(); ++rank) rankOf[order[rank]] = rank;
+    for (std::uint32_t rank = 0; rank < order.size(); ++rank)
+        rankOf[order[rank]] = rank;
     return rankOf;
 }
 
@@ -73,7 +76,8 @@ struct Candidate {
 };
 
 /// Whether the partner keeps this piece of surface and stands no farther away than maxBaseline times the range.
-bool isCovered(const KeptPartner& partner, const Candidate& sample, float maxBaseline, const ComparisonOptions& options) {
+bool isCovered(const KeptPartner& partner, const Candidate& sample, float maxBaseline,
+               const ComparisonOptions& options) {
     if (partner.baseline > maxBaseline * sample.range) return false;
     const Sighting at = sightingOf(partner.into, sample.x, sample.y, sample.disparity);
     const Camera& camera = partner.image->camera;
@@ -103,10 +107,12 @@ class Keeper {
             leases.push_back(images_.borrow(partner.image));
             const DepthImage& other = *leases.back();
             before.push_back({&kept[partner.image], &other, reprojectionInto(other, *image),
-                              static_cast<float>(glm::distance(image->worldFromCamera.translation, other.worldFromCamera.translation))});
+                              static_cast<float>(glm::distance(image->worldFromCamera.translation,
+                                                               other.worldFromCamera.translation))});
         }
         std::atomic<std::int64_t> count = 0;
-        tbb::parallel_for(std::size_t{0}, tiles.size(), [&](std::size_t t) { count += keepTile(tiles[t], *image, before, tier, maxBaseline); });
+        tbb::parallel_for(std::size_t{0}, tiles.size(),
+                          [&](std::size_t t) { count += keepTile(tiles[t], *image, before, tier, maxBaseline); });
         hasKept_[self] = 1;
         return count;
     }
@@ -114,8 +120,8 @@ class Keeper {
     std::vector<Image<Keep>> kept;
 
   private:
-    std::int64_t keepTile(const RankedTile& tile, const DepthImage& image, const std::vector<KeptPartner>& before, Keep tier,
-                          float maxBaseline) {
+    std::int64_t keepTile(const RankedTile& tile, const DepthImage& image, const std::vector<KeptPartner>& before,
+                          Keep tier, float maxBaseline) {
         std::int64_t count = 0;
         std::size_t likely = 0; // the partner that covered the last sample most likely covers the next
         for (int y = tile.y0; y < std::min(tile.y0 + options_.tileSize, image.camera.height); ++y)
@@ -124,7 +130,9 @@ class Keeper {
                 if (!isSurface(image.flags(x, y)) || mine != Keep::no) continue;
                 Candidate sample{static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f, image.disparity(x, y), 0};
                 sample.range = glm::length(glm::vec3(rayThrough(image.camera, x + 0.5, y + 0.5))) / sample.disparity;
-                const auto covers = [&](std::size_t p) { return isCovered(before[p], sample, maxBaseline, options_.comparison); };
+                const auto covers = [&](std::size_t p) {
+                    return isCovered(before[p], sample, maxBaseline, options_.comparison);
+                };
                 bool covered = likely < before.size() && covers(likely);
                 for (std::size_t p = 0; p < before.size() && !covered; ++p)
                     if (covers(p)) covered = true, likely = p;
@@ -141,12 +149,13 @@ class Keeper {
     std::vector<std::uint8_t> hasKept_;
 };
 
-/// Calls visit with each run of tiles for which sameRun holds: tiles of one image do not judge each other, so a run of them is
-/// examined at the same time.
+/// Calls visit with each run of tiles for which sameRun holds: tiles of one image do not judge each other, so a run of
+/// them is examined at the same time.
 template <class SameRun, class Visit>
 void forRuns(const std::vector<RankedTile>& tiles, SameRun sameRun, Visit visit) {
     for (std::size_t first = 0, last = 0; first < tiles.size(); first = last) {
-        for (last = first + 1; last < tiles.size() && sameRun(tiles[first], tiles[last]);) ++last;
+        for (last = first + 1; last < tiles.size() && sameRun(tiles[first], tiles[last]);)
+            ++last;
         visit(std::span(tiles).subspan(first, last - first));
     }
 }
@@ -160,13 +169,15 @@ std::vector<Image<Keep>> findKept(ImageStore& images, const std::vector<std::vec
         tilesOf[i] = rateTiles(*images.borrow(i), static_cast<std::uint32_t>(i), options.tileSize);
     });
     std::vector<RankedTile> ranked;
-    for (const auto& tiles : tilesOf) ranked.insert(ranked.end(), tiles.begin(), tiles.end());
+    for (const auto& tiles : tilesOf)
+        ranked.insert(ranked.end(), tiles.begin(), tiles.end());
 
     const std::vector<std::uint32_t> imageRank = rankImages(partners);
     const double step = std::log(std::max(static_cast<double>(options.preference), 1.001));
     // The sky has no density: it comes last.
     const auto classOf = [&](const RankedTile& tile) {
-        return tile.quality > 0 ? static_cast<int>(std::floor(std::log(tile.quality) / step)) : std::numeric_limits<int>::min();
+        return tile.quality > 0 ? static_cast<int>(std::floor(std::log(tile.quality) / step))
+                                : std::numeric_limits<int>::min();
     };
     std::stable_sort(ranked.begin(), ranked.end(), [&](const RankedTile& a, const RankedTile& b) {
         const int classA = classOf(a), classB = classOf(b);
@@ -175,8 +186,12 @@ std::vector<Image<Keep>> findKept(ImageStore& images, const std::vector<std::vec
 
     figures = {};
     Keeper keeper(images, partners, options);
-    forRuns(ranked, [&](const RankedTile& a, const RankedTile& b) { return a.image == b.image && classOf(a) == classOf(b); },
-            [&](std::span<const RankedTile> run) { figures.base += keeper.keep(run, Keep::base, std::numeric_limits<float>::max()); });
+    forRuns(
+        ranked,
+        [&](const RankedTile& a, const RankedTile& b) { return a.image == b.image && classOf(a) == classOf(b); },
+        [&](std::span<const RankedTile> run) {
+            figures.base += keeper.keep(run, Keep::base, std::numeric_limits<float>::max());
+        });
     if (options.baselineShare > 0) {
         // In the order of the capture: along a path this spaces the kept images evenly.
         for (const auto& tiles : tilesOf)

@@ -1,10 +1,11 @@
 #pragma once
 // Redundancy: each piece of surface is kept by the image that samples it best (Nyland et al. 1999, section 4.6).
 //
-// Tiles are ranked by quality: samples per square metre of surface (range and obliqueness in one number), less what is skin or
-// missing. The paper goes from the worst tile to the best and drops samples that a better image has too; we go from the best to
-// the worst and drop samples that a tile already kept has too. Where agreement between images is transitive both keep the same.
-// Where it is not, in ours every dropped sample has a kept one that agrees with it, so no hole opens.
+// Tiles are ranked by quality: samples per square metre of surface (range and obliqueness in one number), less what is
+// skin or missing. The paper goes from the worst tile to the best and drops samples that a better image has too; we go
+// from the best to the worst and drop samples that a tile already kept has too. Where agreement between images is
+// transitive both keep the same. Where it is not, in ours every dropped sample has a kept one that agrees with it, so
+// no hole opens.
 
 #include "scene/image_store.h"
 #include "scene/refine/pairs.h"
@@ -14,11 +15,12 @@
 namespace scene {
 
 struct RedundancyOptions {
-    /// How much better sampled (in samples per metre) a tile must be to be preferred to one of an image ranked before its own.
-    /// 1: sampling alone decides and the patches are small; large: whole images are kept, the fewest samples and seams.
+    /// How much better sampled (in samples per metre) a tile must be to be preferred to one of an image ranked before
+    /// its own. 1: sampling alone decides and the patches are small; large: whole images are kept, the fewest samples
+    /// and seams.
     float preference = 1.5f;
-    /// A surface is kept again, as a directional sample, where no kept sample shows it from nearby: from a camera no farther away
-    /// than this share of the range (so the directions differ by at most as many radians). 0: never.
+    /// A surface is kept again, as a directional sample, where no kept sample shows it from nearby: from a camera no
+    /// farther away than this share of the range (so the directions differ by at most as many radians). 0: never.
     float baselineShare = 0.07f;
     int tileSize = kDefaultTileSize;
     ComparisonOptions comparison;
@@ -33,6 +35,6 @@ enum class Keep : std::uint8_t { no = 0, base = 1, directional = 2 };
 
 /// Which samples of each image are kept. The images' flags must have skins and floating samples marked already.
 std::vector<Image<Keep>> findKept(ImageStore& images, const std::vector<std::vector<Partner>>& partners,
-                                          const RedundancyOptions& options, RedundancyFigures& figures);
+                                  const RedundancyOptions& options, RedundancyFigures& figures);
 
 } // namespace scene

@@ -16,11 +16,12 @@ float surfaceDisparity(const DepthImage& image, int x, int y) {
     return isSurface(image.flags(x, y)) ? image.disparity(x, y) : 0;
 }
 
-/// Whether disparity jumps between (x, y) and (x + dx, y + dy): more than planarity, and more than the slopes to both sides
-/// explain. On a plane the second difference is 0; at a crease it is 0 on one side.
+/// Whether disparity jumps between (x, y) and (x + dx, y + dy): more than planarity, and more than the slopes to both
+/// sides explain. On a plane the second difference is 0; at a crease it is 0 on one side.
 bool jumps(const DepthImage& image, int x, int y, int dx, int dy, float planarity) {
     const float a = surfaceDisparity(image, x, y), b = surfaceDisparity(image, x + dx, y + dy);
-    const float before = surfaceDisparity(image, x - dx, y - dy), after = surfaceDisparity(image, x + 2 * dx, y + 2 * dy);
+    const float before = surfaceDisparity(image, x - dx, y - dy),
+                after = surfaceDisparity(image, x + 2 * dx, y + 2 * dy);
     const float step = b - a, limit = planarity * std::max(a, b);
     const float slopeBefore = before > 0 ? a - before : 0, slopeAfter = after > 0 ? after - b : 0;
     return std::abs(step - slopeBefore) > limit && std::abs(step - slopeAfter) > limit;
@@ -76,8 +77,8 @@ std::vector<std::vector<Candidate>> findCandidates(const DepthImage& image, cons
 constexpr float kProbeSpacing = 2;
 constexpr int kMostProbes = 64; ///< along an edge
 
-/// Whether the partner saw farther than the triangle, at its middle or along an edge. Disparity is affine over the triangle, so
-/// a mean of corners is a point of it.
+/// Whether the partner saw farther than the triangle, at its middle or along an edge. Disparity is affine over the
+/// triangle, so a mean of corners is a point of it.
 bool sawThrough(const DepthImage& partner, const Reprojection& into, const DepthImage& image, int x, int y,
                 const Corners& corners, const ComparisonOptions& options) {
     std::array<glm::vec3, 3> p;
@@ -95,7 +96,9 @@ bool sawThrough(const DepthImage& partner, const Reprojection& into, const Depth
         const std::size_t j = (i + 1) % 3;
         const float pixels = std::max(std::abs(seen[j].u - seen[i].u), std::abs(seen[j].v - seen[i].v));
         const bool isBefore = seen[i].w > 0 && seen[j].w > 0; // else its length means nothing
-        const int steps = isBefore ? static_cast<int>(std::clamp(pixels / kProbeSpacing, 2.f, static_cast<float>(kMostProbes))) : kMostProbes;
+        const int steps =
+            isBefore ? static_cast<int>(std::clamp(pixels / kProbeSpacing, 2.f, static_cast<float>(kMostProbes)))
+                     : kMostProbes;
         for (int k = 1; k < steps; ++k)
             if (isThrough(p[i] + (p[j] - p[i]) * (static_cast<float>(k) / static_cast<float>(steps)))) return true;
     }
@@ -112,9 +115,10 @@ Image<std::uint8_t> markPlanarSkins(const DepthImage& image, float planarity, Sk
         forTrianglesOfRow(image, y, [&](int x, SampleFlag skin, const Corners&) {
             ++figures.triangles;
             const bool diagonal = jumps(image, x + 1, y, -1, 1, planarity);
-            const bool cut = skin == kSkinUpper
-                                 ? diagonal || jumps(image, x, y, 1, 0, planarity) || jumps(image, x, y, 0, 1, planarity)
-                                 : diagonal || jumps(image, x, y + 1, 1, 0, planarity) || jumps(image, x + 1, y, 0, 1, planarity);
+            const bool cut =
+                skin == kSkinUpper
+                    ? diagonal || jumps(image, x, y, 1, 0, planarity) || jumps(image, x, y, 0, 1, planarity)
+                    : diagonal || jumps(image, x, y + 1, 1, 0, planarity) || jumps(image, x + 1, y, 0, 1, planarity);
             if (!cut) return;
             flags(x, y) = static_cast<std::uint8_t>(flags(x, y) | skin);
             ++figures.planarSkins;

@@ -1,5 +1,6 @@
 #pragma once
-// Skins: mesh triangles that bridge a silhouette and were never there. Found two ways (Nyland et al. 1999, section 4.4):
+// Skins: mesh triangles that bridge a silhouette and were never there. Found two ways (Nyland et al. 1999,
+// section 4.4):
 //
 //   by planarity                                  by reprojection
 //
@@ -10,10 +11,10 @@
 //     |          o o o                                      \   / \ far wall
 //     +------------------ x
 //
-// The paper draws A into B through a z-buffer and repeats until a pass finds no skin, since one skin can hide another. Whether
-// B saw through a triangle does not depend on the other triangles, so each is asked by itself: one pass finds what the repeated
-// passes converge to, and those hidden behind true surfaces of A are behind B's surface too. The same question asked of single
-// samples finds those that float in space that others saw to be empty.
+// The paper draws A into B through a z-buffer and repeats until a pass finds no skin, since one skin can hide another.
+// Whether B saw through a triangle does not depend on the other triangles, so each is asked by itself: one pass finds
+// what the repeated passes converge to, and those hidden behind true surfaces of A are behind B's surface too. The same
+// question asked of single samples finds those that float in space that others saw to be empty.
 
 #include "scene/image_store.h"
 #include "scene/refine/pairs.h"
@@ -22,16 +23,16 @@
 namespace scene {
 
 struct SkinOptions {
-    float planarity = 0.03f;        ///< least jump, relative to disparity, that no neighbouring slope explains
-    int maxPartners = 16;           ///< images asked whether they saw through
-    ComparisonOptions comparison;   ///< when two images mean the same surface
+    float planarity = 0.03f;      ///< least jump, relative to disparity, that no neighbouring slope explains
+    int maxPartners = 16;         ///< images asked whether they saw through
+    ComparisonOptions comparison; ///< when two images mean the same surface
 };
 
 struct SkinFigures {
     std::int64_t samples = 0, triangles = 0; ///< surfaces of the image, triangles among them
-    std::int64_t planarSkins = 0;      ///< triangles cut because disparity jumps
-    std::int64_t seenThrough = 0;      ///< further triangles that another image saw through
-    std::int64_t floating = 0;         ///< samples that more images saw through than agreed with
+    std::int64_t planarSkins = 0;            ///< triangles cut because disparity jumps
+    std::int64_t seenThrough = 0;            ///< further triangles that another image saw through
+    std::int64_t floating = 0;               ///< samples that more images saw through than agreed with
 };
 
 /// The image's flags with kSkinUpper, kSkinLower set by planarity alone.

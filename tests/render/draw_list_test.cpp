@@ -62,8 +62,8 @@ Many manyTiles(std::uint32_t count) {
         tile.width = tile.height = 32;
         tile.minDisparity = static_cast<float>(random() % 1000) / 500, tile.maxDisparity = tile.minDisparity + 0.1f;
         many.bounds.append(tile, camera);
-        many.tiles.push_back(
-            {0, i % 3, 0, i % 3 == 1 ? 0 : 10 + i % 7, 0, 5, tile.x0, tile.y0, tile.minDisparity, tile.maxDisparity, scene::middleOf(tile, camera, {})});
+        many.tiles.push_back({0, i % 3, 0, i % 3 == 1 ? 0 : 10 + i % 7, 0, 5, tile.x0, tile.y0, tile.minDisparity,
+                              tile.maxDisparity, scene::middleOf(tile, camera, {})});
         many.visible.slots.push_back(i);
     }
     for (std::uint32_t first = 0; first < count; first += 100) {
@@ -76,7 +76,8 @@ Many manyTiles(std::uint32_t count) {
 DrawList listOf(const Many& many, const Quality& quality, std::vector<TileDraw>& draws) {
     DrawList list;
     draws.assign(many.tiles.size(), {});
-    buildDrawList(many.tiles, many.bounds, many.pieces, many.matrices, many.eyeFromCameras, many.visible, quality, draws, list);
+    buildDrawList(many.tiles, many.bounds, many.pieces, many.matrices, many.eyeFromCameras, many.visible, quality,
+                  draws, list);
     return list;
 }
 

@@ -67,7 +67,8 @@ TEST(Footprint, IsCentredOnThePosition) {
 
 TEST(ZKey, OrdersByDisparityAndKeepsColourAndClass) {
     const auto word = [](uvec2 key) { return std::uint64_t{key.y} << 32 | key.x; };
-    const std::uint64_t sky = word(packKey(0, 0, 0, kClassSeen)), far = word(packKey(0.01f, 0xffffff, 63, kClassUnseen)),
+    const std::uint64_t sky = word(packKey(0, 0, 0, kClassSeen)),
+                        far = word(packKey(0.01f, 0xffffff, 63, kClassUnseen)),
                         near = word(packKey(100, 0, 0, kClassSeen));
     EXPECT_LT(0u, sky) << "sky stands before nothing";
     EXPECT_LT(sky, far);

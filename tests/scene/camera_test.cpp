@@ -29,8 +29,7 @@ TEST(Camera, MatricesSayTheSameAsTheFormulas) {
     RandomPlaces random(2);
     for (int trial = 0; trial < kTrials; ++trial) {
         const Camera camera = random.camera();
-        const glm::dvec3 ray =
-            rayThrough(camera, random.between(0, camera.width), random.between(0, camera.height));
+        const glm::dvec3 ray = rayThrough(camera, random.between(0, camera.width), random.between(0, camera.height));
         const double depth = std::exp(random.between(std::log(1e-4), std::log(1e5)));
         const glm::dvec3 pInCamera = depth * ray;
 
@@ -70,8 +69,7 @@ TEST(Camera, UsableOnlyWithSizesAndFiniteNumbers) {
             EXPECT_FALSE(isUsable(camera));
         }
     for (double Camera::*number : {&Camera::fx, &Camera::fy, &Camera::cx, &Camera::cy})
-        for (const double bad :
-             {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+        for (const double bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
             Camera camera = good;
             camera.*number = bad;
             EXPECT_FALSE(isUsable(camera));

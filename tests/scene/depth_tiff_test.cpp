@@ -135,7 +135,8 @@ TEST_F(DepthTiff, WithABitFlippedIsAFailureOrIdentical) {
         noticed += !readsOrFails(damaged, truth, "bit " + std::to_string(bit) + " of byte " + std::to_string(place));
     }
     EXPECT_GT(noticed, static_cast<int>(places.size()) * 9 / 10);
-    EXPECT_LT(peakKilobytes() - before, 200 * 1024) << "memory was taken for what a damaged file claims";
+    // The address sanitizer holds on to a quarter of a gigabyte that was freed; a flipped size claims far more.
+    EXPECT_LT(peakKilobytes() - before, 400 * 1024) << "memory was taken for what a damaged file claims";
 }
 
 TEST_F(DepthTiff, WithAByteChangedIsAFailureOrIdentical) {

@@ -6,6 +6,8 @@
 
 #include <glm/geometric.hpp>
 
+#include <tbb/global_control.h>
+
 namespace scene {
 
 namespace {
@@ -35,7 +37,11 @@ SyntheticModel bareRoomModel() {
 } // namespace
 
 const SyntheticScene& bareRoom() {
-    static const SyntheticScene room(bareRoomModel());
+    // On one thread: Embree's own use of oneTBB is compiled without the thread sanitizer, which then sees races in it.
+    static const SyntheticScene room = [] {
+        const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+        return SyntheticScene(bareRoomModel());
+    }();
     return room;
 }
 

@@ -47,8 +47,7 @@ TEST(Pose, ProductCarriesPointsOneAfterTheOther) {
 TEST(Pose, ProductIsAssociative) {
     RandomPlaces random(2);
     for (int trial = 0; trial < kTrials; ++trial) {
-        const Pose dFromC = random.pose(10, kFarFromOrigin), cFromB = random.pose(10),
-                   bFromA = random.pose(10);
+        const Pose dFromC = random.pose(10, kFarFromOrigin), cFromB = random.pose(10), bFromA = random.pose(10);
         expectSame((dFromC * cFromB) * bFromA, dFromC * (cFromB * bFromA), kFarRoundingMetres);
     }
 }
@@ -111,9 +110,8 @@ class RefusedMatrix : public testing::Test {
 };
 
 TEST_F(RefusedMatrix, NotFiniteAnywhere) {
-    for (const double bad :
-         {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(),
-          -std::numeric_limits<double>::infinity()})
+    for (const double bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(),
+                             -std::numeric_limits<double>::infinity()})
         for (int column = 0; column < 4; ++column)
             for (int row = 0; row < 4; ++row) {
                 glm::dmat4 matrix = good_;
@@ -145,8 +143,7 @@ TEST_F(RefusedMatrix, Mirrored) {
 TEST_F(RefusedMatrix, Sheared) {
     for (int axis = 0; axis < 3; ++axis) {
         glm::dmat4 matrix = good_;
-        matrix[axis] =
-            glm::dvec4(glm::normalize(glm::dvec3(matrix[axis] + 0.01 * matrix[(axis + 1) % 3])), 0.0);
+        matrix[axis] = glm::dvec4(glm::normalize(glm::dvec3(matrix[axis] + 0.01 * matrix[(axis + 1) % 3])), 0.0);
         expectRefused(matrix);
     }
 }
@@ -175,8 +172,7 @@ TEST(Pose, QuaternionNeedNotBeNormalised) {
         expectRotation(unit.rotation);
         // 1e-160 squared is no longer a number above 0, 1e160 squared no longer finite.
         for (const double scale : {-1.0, 1e-6, 1e6, 1e-160, 1e160})
-            expectSame(poseFromQuaternion({1, 2, 3}, scale * q.x, scale * q.y, scale * q.z, scale * q.w),
-                       unit, 1e-300);
+            expectSame(poseFromQuaternion({1, 2, 3}, scale * q.x, scale * q.y, scale * q.z, scale * q.w), unit, 1e-300);
     }
 }
 

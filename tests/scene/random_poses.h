@@ -15,12 +15,8 @@ class RandomPlaces {
   public:
     explicit RandomPlaces(unsigned seed) : generator_(seed) {}
 
-    double between(double low, double high) {
-        return std::uniform_real_distribution<double>(low, high)(generator_);
-    }
-    int integerBetween(int low, int high) {
-        return std::uniform_int_distribution<int>(low, high)(generator_);
-    }
+    double between(double low, double high) { return std::uniform_real_distribution<double>(low, high)(generator_); }
+    int integerBetween(int low, int high) { return std::uniform_int_distribution<int>(low, high)(generator_); }
     glm::dvec3 point(double extent) {
         const double x = between(-extent, extent), y = between(-extent, extent), z = between(-extent, extent);
         return {x, y, z};
@@ -28,8 +24,7 @@ class RandomPlaces {
     /// Any rotation, all equally likely; a translation within extent along each axis of about.
     scene::Pose pose(double extent, const glm::dvec3& about = glm::dvec3(0.0)) {
         std::normal_distribution<double> normal;
-        const double x = normal(generator_), y = normal(generator_), z = normal(generator_),
-                     w = normal(generator_);
+        const double x = normal(generator_), y = normal(generator_), z = normal(generator_), w = normal(generator_);
         return scene::poseFromQuaternion(about + point(extent), x, y, z, w);
     }
     /// Centres may lie well beside the middle, as those of an eye.

@@ -13,8 +13,7 @@
 namespace scene {
 namespace {
 
-constexpr double kFloatRounding =
-    2e-7; // relative: half a unit in the last place of a float, and the division's
+constexpr double kFloatRounding = 2e-7; // relative: half a unit in the last place of a float, and the division's
 
 /// A camera at a place that looks at another, x level.
 View viewFrom(const glm::dvec3& eye, const glm::dvec3& at, const Camera& camera) {
@@ -42,8 +41,8 @@ SyntheticModel sphereOverFloor() {
 
 bool hasSameBytes(const DepthImage& a, const DepthImage& b) {
     return a.colour == b.colour && a.flags == b.flags &&
-           std::memcmp(a.disparity.pixels().data(), b.disparity.pixels().data(),
-                       a.disparity.size() * sizeof(float)) == 0;
+           std::memcmp(a.disparity.pixels().data(), b.disparity.pixels().data(), a.disparity.size() * sizeof(float)) ==
+               0;
 }
 
 /// The small scenes are cheap; these three are lit once for all tests.
@@ -142,8 +141,7 @@ TEST_P(EachScene, ColourOfAPointIsTheSameFromAllViews) {
         for (int y = 1; y < image.camera.height; y += 7)
             for (int x = 1; x < image.camera.width; x += 7) {
                 if (image.flags(x, y) != 0) continue;
-                const glm::dvec3 ray =
-                    views[i].worldFromEye.rotation * rayThrough(image.camera, x + 0.5, y + 0.5);
+                const glm::dvec3 ray = views[i].worldFromEye.rotation * rayThrough(image.camera, x + 0.5, y + 0.5);
                 const glm::dvec3 point =
                     views[i].worldFromEye.translation + ray / static_cast<double>(image.disparity(x, y));
                 const auto seen = castRay(synthetic(), otherEye, point - otherEye);
@@ -198,8 +196,7 @@ TEST_P(EachScene, WalksAndCapturesKeepClear) {
 TEST_P(EachScene, WalkIsSmooth) {
     const std::vector<View> views = walkPath(synthetic(), 600);
     for (std::size_t i = 1; i < views.size(); ++i) {
-        const double turn =
-            glm::dot(views[i].worldFromEye.rotation[2], views[i - 1].worldFromEye.rotation[2]);
+        const double turn = glm::dot(views[i].worldFromEye.rotation[2], views[i - 1].worldFromEye.rotation[2]);
         EXPECT_GT(turn, std::cos(0.12)) << i;
     }
 }
@@ -215,19 +212,18 @@ TEST_P(EachScene, ScanPointsLieOnSurfacesAndOnTheirGrid) {
         ASSERT_GT(scan.pointsInScanner.size(), kColumns * kRows / 3u);
         for (std::size_t i = 0; i < scan.pointsInScanner.size(); ++i) {
             const glm::dvec3 p(scan.pointsInScanner[i]);
-            const auto hit =
-                castRay(synthetic(), worldFromScanner.translation, worldFromScanner.rotation * p);
+            const auto hit = castRay(synthetic(), worldFromScanner.translation, worldFromScanner.rotation * p);
             ASSERT_TRUE(hit);
             // A point is rounded to floats, and with it the ray: on grazed surfaces the range differs by
             // more.
-            const double graze = std::max(
-                std::abs(glm::dot(hit->normal, glm::normalize(worldFromScanner.rotation * p))), 1e-3);
+            const double graze =
+                std::max(std::abs(glm::dot(hit->normal, glm::normalize(worldFromScanner.rotation * p))), 1e-3);
             EXPECT_NEAR(hit->distanceMetres, glm::length(p), 1e-6 * glm::length(p) / graze + 1e-6);
             const double azimuth = std::atan2(-p.y, p.x) / 6.283185307179586;
             EXPECT_NEAR((azimuth < 0 ? azimuth + 1 : azimuth) * kColumns - 0.5, scan.column[i], 1e-3);
             const ScanOptions usual;
-            const double down = (usual.topRadians - std::asin(p.z / glm::length(p))) /
-                                (usual.topRadians - usual.bottomRadians);
+            const double down =
+                (usual.topRadians - std::asin(p.z / glm::length(p))) / (usual.topRadians - usual.bottomRadians);
             EXPECT_NEAR(down * kRows - 0.5, scan.row[i], 1e-3);
         }
     }
@@ -244,8 +240,8 @@ TEST(Synthetic, RangeNoiseHasItsDeviationAndItsSeed) {
     ASSERT_EQ(ideal.pointsInScanner.size(), noisy.pointsInScanner.size());
     double sum = 0, squares = 0;
     for (std::size_t i = 0; i < ideal.pointsInScanner.size(); ++i) {
-        const double error = static_cast<double>(glm::length(noisy.pointsInScanner[i]) -
-                                                 glm::length(ideal.pointsInScanner[i]));
+        const double error =
+            static_cast<double>(glm::length(noisy.pointsInScanner[i]) - glm::length(ideal.pointsInScanner[i]));
         sum += error, squares += error * error;
     }
     const double count = static_cast<double>(ideal.pointsInScanner.size());

@@ -70,15 +70,13 @@ std::multiset<Triangle> trianglesOf(const DepthImage& image) {
     for (int y = 0; y + 1 < image.camera.height; ++y)
         for (int x = 0; x + 1 < image.camera.width; ++x) {
             if ((image.flags(x, y) & kSkinUpper) == 0) add({Place{x, y}, Place{x + 1, y}, Place{x, y + 1}});
-            if ((image.flags(x, y) & kSkinLower) == 0)
-                add({Place{x + 1, y}, Place{x + 1, y + 1}, Place{x, y + 1}});
+            if ((image.flags(x, y) & kSkinLower) == 0) add({Place{x + 1, y}, Place{x + 1, y + 1}, Place{x, y + 1}});
         }
     return triangles;
 }
 
 Place placeInImage(const Tile& tile, const TileVertex& vertex) {
-    return {tile.x0 + static_cast<int>(vertex.place & 63),
-            tile.y0 + static_cast<int>(vertex.place >> 6 & 63)};
+    return {tile.x0 + static_cast<int>(vertex.place & 63), tile.y0 + static_cast<int>(vertex.place >> 6 & 63)};
 }
 
 /// The triangles that a renderer draws.
@@ -262,8 +260,7 @@ TEST_P(CutIntoTiles, LeastDisparityComesBackExactly) {
         }
 }
 
-INSTANTIATE_TEST_SUITE_P(TileSizes, CutIntoTiles, testing::Values(1, 7, 32, 63),
-                         testing::PrintToStringParamName());
+INSTANTIATE_TEST_SUITE_P(TileSizes, CutIntoTiles, testing::Values(1, 7, 32, 63), testing::PrintToStringParamName());
 
 } // namespace
 } // namespace scene

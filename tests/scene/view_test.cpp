@@ -57,20 +57,18 @@ TEST_P(ViewFrom, SamplesAreSeenWhereTheirPointsProject) {
         const Camera source = random.camera();
         const View eye{random.camera(), random.pose(0.5, GetParam())};
         const Pose worldFromSource = random.pose(0.5, GetParam());
-        const Sample sample{random.between(0, source.width), random.between(0, source.height),
-                            random.between(0.5, 20)};
+        const Sample sample{random.between(0, source.width), random.between(0, source.height), random.between(0.5, 20)};
 
         const glm::dvec3 pInSource = rayThrough(source, sample.x, sample.y) / sample.disparity;
-        const glm::dvec3 eyeToPointInWorld = worldFromSource.rotation * pInSource +
-                                             (worldFromSource.translation - eye.worldFromEye.translation);
+        const glm::dvec3 eyeToPointInWorld =
+            worldFromSource.rotation * pInSource + (worldFromSource.translation - eye.worldFromEye.translation);
         const glm::dvec3 pInEye = glm::transpose(eye.worldFromEye.rotation) * eyeToPointInWorld;
         if (pInEye.z < 1e-3) continue;
         ++seenCount;
 
         const glm::dvec2 truth = project(eye.camera, pInEye);
         const glm::dvec3 seen = warped(eyeImageFromSourceImage(eye, source, worldFromSource), sample);
-        const double slant =
-            1 + glm::length(truth) / glm::length(glm::dvec2(eye.camera.width, eye.camera.height));
+        const double slant = 1 + glm::length(truth) / glm::length(glm::dvec2(eye.camera.width, eye.camera.height));
         EXPECT_LT(glm::length(glm::dvec2(seen) - truth), 1e-8 * slant / pInEye.z);
         EXPECT_NEAR(seen.z * pInEye.z, 1.0, 1e-11 / pInEye.z);
     }
@@ -98,9 +96,7 @@ TEST_P(ViewFrom, ATenthOfAMillimetreFromASurface) {
 }
 
 INSTANTIATE_TEST_SUITE_P(NearAndFar, ViewFrom, testing::Values(glm::dvec3(0.0), kFarFromOrigin),
-                         [](const auto& which) {
-                             return which.index == 0 ? "Origin" : "TenThousandKilometres";
-                         });
+                         [](const auto& which) { return which.index == 0 ? "Origin" : "TenThousandKilometres"; });
 
 TEST(Eyes, StandAsFarApartAsTheyShouldAndLookInParallel) {
     RandomPlaces random(4);

@@ -21,8 +21,7 @@
 
 namespace render {
 using uint = std::uint32_t;
-using glm::abs, glm::clamp, glm::floor, glm::ceil, glm::max, glm::min, glm::floatBitsToUint,
-    glm::uintBitsToFloat;
+using glm::abs, glm::clamp, glm::floor, glm::ceil, glm::max, glm::min, glm::floatBitsToUint, glm::uintBitsToFloat;
 using glm::ivec2, glm::vec2, glm::vec3, glm::vec4, glm::uvec2, glm::uvec4;
 } // namespace render
 #else

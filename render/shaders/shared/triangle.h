@@ -90,8 +90,7 @@ SHARED_FUNCTION uint mixColours(uint a, uint b, uint c, float ofB, float ofC) {
     uint weightB = uint(int(clamp(ofB, 0.0f, 1.0f) * 256.0f + 0.5f));
     uint weightC = min(uint(int(clamp(ofC, 0.0f, 1.0f) * 256.0f + 0.5f)), 256u - weightB);
     uint weightA = 256u - weightB - weightC;
-    uint redBlue =
-        (a & 0xff00ffu) * weightA + (b & 0xff00ffu) * weightB + (c & 0xff00ffu) * weightC + 0x800080u;
+    uint redBlue = (a & 0xff00ffu) * weightA + (b & 0xff00ffu) * weightB + (c & 0xff00ffu) * weightC + 0x800080u;
     uint green = (a & 0xff00u) * weightA + (b & 0xff00u) * weightB + (c & 0xff00u) * weightC + 0x8000u;
     return ((redBlue >> 8) & 0xff00ffu) | ((green >> 8) & 0xff00u);
 }

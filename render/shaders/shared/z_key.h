@@ -3,8 +3,8 @@
 // A pixel of an eye's z-buffer: 64 bits that compare as wanted, so that one atomic maximum is depth test and
 // write at once and the order of drawing does not matter.
 //
-//     63 ........ 32 | 31 ..... 8 | 7 .... 2 | 1 . 0     order disparity is never negative, so that its bits order as it
-//     order disparity|  b   g   r |   level  | class     does; 0 is the cleared pixel: nothing there
+//     63 ........ 32 | 31 ..... 8 | 7 .... 2 | 1 . 0     order disparity is never negative, so that its bits order as
+//     it order disparity|  b   g   r |   level  | class     does; 0 is the cleared pixel: nothing there
 //
 // Order disparity is the eye's over the scale of the order level (scene/preference.h says why).
 //

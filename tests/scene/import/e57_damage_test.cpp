@@ -55,8 +55,7 @@ class E57Damage : public testing::Test {
         return failureOf(withXml(good_, [&](const std::string& xml) { return replaced(xml, from, to); }));
     }
     void expectRefused(const std::string& message, const std::string& words) {
-        EXPECT_NE(message.find(words), std::string::npos)
-            << "'" << message << "' does not say '" << words << "'";
+        EXPECT_NE(message.find(words), std::string::npos) << "'" << message << "' does not say '" << words << "'";
     }
 
     TemporaryFolder folder_;
@@ -65,8 +64,7 @@ class E57Damage : public testing::Test {
 
 TEST_F(E57Damage, TheUndamagedFileIsRead) {
     EXPECT_EQ(failureOf(good_), "");
-    EXPECT_EQ(withChecksums(withoutChecksums(good_)), good_)
-        << "the tests put files together as the format wants";
+    EXPECT_EQ(withChecksums(withoutChecksums(good_)), good_) << "the tests put files together as the format wants";
 }
 
 TEST_F(E57Damage, PathsThatAreNoFiles) {
@@ -113,8 +111,7 @@ TEST_F(E57Damage, FlippedBitsBehindRightChecksumsAreReadOrRefused) {
 TEST_F(E57Damage, CountsAreProvedAgainstTheFileBeforeMemoryIsTaken) {
     rusage before{}, after{};
     getrusage(RUSAGE_SELF, &before);
-    expectRefused(failureOfXml("recordCount=\"400\"", "recordCount=\"1000000000000\""),
-                  "claims 1000000000000 points");
+    expectRefused(failureOfXml("recordCount=\"400\"", "recordCount=\"1000000000000\""), "claims 1000000000000 points");
     expectRefused(failureOfXml("recordCount=\"400\"", "recordCount=\"9223372036854775807\""), "claims");
     expectRefused(failureOfXml("recordCount=\"400\"", "recordCount=\"-5\""), "claims -5 points");
     expectRefused(failureOfXml("recordCount=\"400\"", "recordCount=\"500\""), "500 points");
@@ -125,8 +122,7 @@ TEST_F(E57Damage, CountsAreProvedAgainstTheFileBeforeMemoryIsTaken) {
 TEST_F(E57Damage, ConstantCoordinatesProveNothing) {
     // Constant fields take no bits: without a limit any number of points would fit into a kilobyte.
     const auto constant = [](const char* name, std::int64_t value, std::size_t count) {
-        return WrittenField{name, NumberType::integer, std::vector<double>(count, double(value)), value,
-                            value};
+        return WrittenField{name, NumberType::integer, std::vector<double>(count, double(value)), value, value};
     };
     WrittenScan scan{"one", {}, {constant("cartesianX", 1, 3), constant("cartesianY", 2, 3)}};
     scan.fields.push_back(constant("cartesianZ", 3, 3));
@@ -150,16 +146,13 @@ TEST_F(E57Damage, PosesThatAreNone) {
     for (const char* bad : {"<w type=\"Float\">nan</w>", "<w type=\"Float\">0</w>", "<w type=\"Float\"/>",
                             "<w type=\"String\">1</w>", ""})
         expectRefused(failureOfXml(good, bad), "the pose of scan 'wall'");
-    expectRefused(failureOfXml("<x type=\"Float\"/>", "<x type=\"Float\">nan</x>"),
-                  "the pose of scan 'wall'");
+    expectRefused(failureOfXml("<x type=\"Float\"/>", "<x type=\"Float\">nan</x>"), "the pose of scan 'wall'");
 }
 
 TEST_F(E57Damage, XmlThatReachesOutOrNestsDeepIsRefused) {
-    expectRefused(
-        failureOfXml("<e57Root", "<!DOCTYPE a [<!ENTITY b SYSTEM \"file:///etc/hostname\">]><e57Root"),
-        "<!DOCTYPE");
-    expectRefused(failureOfXml("<e57Root type", "<e57Root xsi:schemaLocation=\"a b\" type"),
-                  "schemaLocation");
+    expectRefused(failureOfXml("<e57Root", "<!DOCTYPE a [<!ENTITY b SYSTEM \"file:///etc/hostname\">]><e57Root"),
+                  "<!DOCTYPE");
+    expectRefused(failureOfXml("<e57Root type", "<e57Root xsi:schemaLocation=\"a b\" type"), "schemaLocation");
     expectRefused(failureOfXml("UTF-8", "UTF-7"), "not in UTF-8");
     std::string deep, shut;
     for (int i = 0; i < 100000; ++i)
@@ -172,8 +165,7 @@ TEST_F(E57Damage, XmlThatReachesOutOrNestsDeepIsRefused) {
 }
 
 TEST_F(E57Damage, ImagesLongerThanTheFileAreRefused) {
-    writeE57(folder_ / "image.e57", {},
-             {{"look", "visualReferenceRepresentation", {}, {}, {1, 2, 3, 4, 5, 6, 7}}});
+    writeE57(folder_ / "image.e57", {}, {{"look", "visualReferenceRepresentation", {}, {}, {1, 2, 3, 4, 5, 6, 7}}});
     const std::string claim = withXml(readBytes(folder_ / "image.e57"), [](const std::string& xml) {
         return replaced(xml, "length=\"7\"", "length=\"1000000000000\"");
     });

@@ -20,9 +20,7 @@ const double kNan = std::numeric_limits<double>::quiet_NaN();
 
 class E57 : public testing::Test {
   protected:
-    std::vector<ScanSource> list(const std::string& name = "a.e57") {
-        return listE57(folder_ / name, remarks_);
-    }
+    std::vector<ScanSource> list(const std::string& name = "a.e57") { return listE57(folder_ / name, remarks_); }
     Scan readOne(const WrittenScan& scan) {
         writeE57(folder_ / "a.e57", {scan});
         const auto sources = list();
@@ -122,9 +120,8 @@ TEST_F(E57, ColourIsScaledByItsLimits) {
     for (const char* name : {"colorRed", "colorGreen", "colorBlue"})
         scan.fields.push_back({name, NumberType::integer, {0, 32768, 65535}, 0, 65535});
     scan.fields.push_back({"isColorInvalid", NumberType::integer, {1, 0, 0}, 0, 1});
-    scan.colorLimits = {{"colorRedMinimum", 0},   {"colorRedMaximum", 65535},
-                        {"colorGreenMinimum", 0}, {"colorGreenMaximum", 65535},
-                        {"colorBlueMinimum", 0},  {"colorBlueMaximum", 65535}};
+    scan.colorLimits = {{"colorRedMinimum", 0},       {"colorRedMaximum", 65535}, {"colorGreenMinimum", 0},
+                        {"colorGreenMaximum", 65535}, {"colorBlueMinimum", 0},    {"colorBlueMaximum", 65535}};
     const Scan read = readOne(scan);
     EXPECT_TRUE(read.hasColour);
     EXPECT_EQ(read.colours[0], (Rgb8{128, 128, 128})) << "marked invalid";
@@ -179,8 +176,7 @@ TEST_F(E57, SeveralScansKeepTheirOwnPosesAndNames) {
 TEST_F(E57, AQuaternionNeedNotBeNormalisedButMustTurn) {
     const Scan scan = readOne({"big", WrittenPose{1e90, 0, 0, 1e90, 0, 0, 0}, cartesian({1}, {0}, {0})});
     EXPECT_LT(glm::distance(scan.worldFromScanner * glm::dvec3(1, 0, 0), glm::dvec3(0, 1, 0)), 1e-12);
-    const std::string message =
-        failureOf({"turned", WrittenPose{0, 0, 0, 0, 1, 2, 3}, cartesian({1}, {0}, {0})});
+    const std::string message = failureOf({"turned", WrittenPose{0, 0, 0, 0, 1, 2, 3}, cartesian({1}, {0}, {0})});
     EXPECT_NE(message.find("a.e57: the pose of scan 'turned'"), std::string::npos) << message;
 }
 

@@ -41,8 +41,7 @@ class Ptx : public testing::Test {
     }
     void expectRefused(const std::string& text, const std::string& words) {
         const std::string message = failureOf(file(text));
-        EXPECT_NE(message.find(words), std::string::npos)
-            << "'" << message << "' does not say '" << words << "'";
+        EXPECT_NE(message.find(words), std::string::npos) << "'" << message << "' does not say '" << words << "'";
     }
 
     TemporaryFolder folder_;
@@ -67,13 +66,11 @@ TEST_F(Ptx, TheTranslationIsTheLastRow) {
     const Scan scan = readOne("1\n1\n" + kTurned + "1 0 0 0.5 10 20 30\n");
     EXPECT_TRUE(scan.hasColour);
     EXPECT_EQ(scan.colours[0], (Rgb8{10, 20, 30}));
-    EXPECT_LT(glm::distance(scan.worldFromScanner * glm::dvec3(scan.pointsInScanner[0]), glm::dvec3(4, 6, 6)),
-              1e-9);
+    EXPECT_LT(glm::distance(scan.worldFromScanner * glm::dvec3(scan.pointsInScanner[0]), glm::dvec3(4, 6, 6)), 1e-9);
 }
 
 TEST_F(Ptx, SeveralCloudsAndTheirPlaces) {
-    const std::string text =
-        "1\n2\n" + kAtHome + "1 0 0\r\n2 0 0\r\n" + "\n1\n1\n" + kTurned + "7 0 0 0.1 1 2 3";
+    const std::string text = "1\n2\n" + kAtHome + "1 0 0\r\n2 0 0\r\n" + "\n1\n1\n" + kTurned + "7 0 0 0.1 1 2 3";
     const auto sources = listPtx(file(text));
     ASSERT_EQ(sources.size(), 2u);
     EXPECT_EQ(sources[0].name, "a-1");
@@ -93,9 +90,8 @@ TEST_F(Ptx, PointsThatAreInTheWorldAlreadyComeBackAboutTheScanner) {
 }
 
 TEST_F(Ptx, AUniformScaleIsTakenIntoThePoints) {
-    const Scan scan =
-        readOne("1\n1\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n0.001 0 0 0\n0 0.001 0 0\n0 0 0.001 0\n0 0 0 1\n"
-                "1500 0 0 0.5\n");
+    const Scan scan = readOne("1\n1\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n0.001 0 0 0\n0 0.001 0 0\n0 0 0.001 0\n0 0 0 1\n"
+                              "1500 0 0 0.5\n");
     EXPECT_FLOAT_EQ(scan.pointsInScanner[0].x, 1.5f);
 }
 
@@ -132,8 +128,7 @@ TEST_F(Ptx, RefusalsNameFileLineAndCause) {
     expectRefused("2\n2\n0 0 0\n", "ends within the header");
     expectRefused("1\n1\n0 0 nan\n", "line 3: should hold 3 finite numbers");
     expectRefused("1\n1\n" + replaced(kAtHome, "1 0 0 0\n", "nan 0 0 0\n") + "1 0 0\n", "line 7");
-    expectRefused("1\n1\n" + replaced(kAtHome, "0 0 1 0\n", "0 0 2 0\n") + "1 0 0\n",
-                  "line 10: the transform");
+    expectRefused("1\n1\n" + replaced(kAtHome, "0 0 1 0\n", "0 0 2 0\n") + "1 0 0\n", "line 10: the transform");
     expectRefused("1\n1\n" + replaced(kAtHome, "0 0 1 0\n", "0 0 -1 0\n") + "1 0 0\n", "the transform");
     expectRefused("1\n1\n" + replaced(kAtHome, "1 0 0 0\n", "0 0 0 0\n") + "1 0 0\n", "the transform");
     expectRefused("1\n2\n" + kAtHome + "1 0 0 0.5\n1 0 x 0.5\n", "a.ptx");
@@ -172,8 +167,8 @@ TEST_F(Ptx, CutsAndFlipsAreReadOrRefused) {
 TEST_F(Ptx, AMillionPointsTakeAboutASecondAtMost) {
     std::string text = "1000\n1000\n" + kAtHome;
     for (int i = 0; i < 1000000; ++i)
-        text += std::to_string(1 + i % 997 * 0.01) + " " + std::to_string(i % 89 * 0.1) +
-                " 2.250000 0.501961 12 255 77\n";
+        text +=
+            std::to_string(1 + i % 997 * 0.01) + " " + std::to_string(i % 89 * 0.1) + " 2.250000 0.501961 12 255 77\n";
     const auto path = file(text);
     const auto start = std::chrono::steady_clock::now();
     const Scan scan = readPtxScan(listPtx(path).at(0));

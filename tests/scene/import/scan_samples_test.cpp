@@ -71,8 +71,7 @@ TEST(ScanSamples, EveryPtxIsBuiltOrRefused) {
     for (const auto& path : paths) {
         const std::string message = buildFaces(path, scans);
         if (path.filename() == "multiple-and-transform.ptx")
-            EXPECT_NE(message.find("line 10: the transform"), std::string::npos)
-                << "it stretches Z: " << message;
+            EXPECT_NE(message.find("line 10: the transform"), std::string::npos) << "it stretches Z: " << message;
         else
             EXPECT_EQ(message, "") << path;
     }
@@ -107,8 +106,7 @@ TEST(ScanSamples, ThePumpKeepsEveryPoint) {
         for (int y = 0; y < face.camera.height; ++y)
             for (int x = 0; x < face.camera.width; ++x) {
                 if (!isSurface(face.flags(x, y))) continue;
-                const double range =
-                    glm::length(rayThrough(face.camera, x + 0.5, y + 0.5)) / face.disparity(x, y);
+                const double range = glm::length(rayThrough(face.camera, x + 0.5, y + 0.5)) / face.disparity(x, y);
                 ASSERT_GT(range, 1.95) << face.name << " " << x << " " << y;
                 ASSERT_LT(range, 5.47) << face.name << " " << x << " " << y;
             }

@@ -54,8 +54,7 @@ e57::Node prototypeOf(e57::ImageFile& file, const WrittenField& field) {
     case NumberType::scaled:
         break;
     }
-    return e57::ScaledIntegerNode(file, field.minimum, field.minimum, field.maximum, field.scale,
-                                  field.offset);
+    return e57::ScaledIntegerNode(file, field.minimum, field.minimum, field.maximum, field.scale, field.offset);
 }
 
 std::uint32_t crc32c(const char* bytes, std::size_t size) {
@@ -118,8 +117,7 @@ void writeE57(const std::filesystem::path& path, const std::vector<WrittenScan>&
         for (std::size_t i = 0; i < scan.fields.size(); ++i) {
             prototype.set(scan.fields[i].name, prototypeOf(file, scan.fields[i]));
             if (!values[i].empty())
-                buffers.emplace_back(file, scan.fields[i].name, values[i].data(), values[i].size(), true,
-                                     true);
+                buffers.emplace_back(file, scan.fields[i].name, values[i].data(), values[i].size(), true, true);
         }
         e57::CompressedVectorNode points(file, prototype, e57::VectorNode(file, true));
         node.set("points", points);

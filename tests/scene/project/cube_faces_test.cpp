@@ -32,14 +32,12 @@ double rangeToRoom(const glm::dvec3& ray) {
 // The same room with a ball in it.
 double rangeToRoomWithBall(const glm::dvec3& ray) {
     const glm::dvec3 centre(2, 0.5, 0.1);
-    const double along = glm::dot(ray, centre), off2 = glm::dot(centre, centre) - along * along,
-                 radius2 = 0.36;
+    const double along = glm::dot(ray, centre), off2 = glm::dot(centre, centre) - along * along, radius2 = 0.36;
     return along > 0 && off2 < radius2 ? along - std::sqrt(radius2 - off2) : rangeToRoom(ray);
 }
 
 struct Sweep {
-    double stepDegrees = 1.0, azimuthFrom = 0.37, azimuthTo = 360.0, elevationFrom = -60.2,
-           elevationTo = 90.0;
+    double stepDegrees = 1.0, azimuthFrom = 0.37, azimuthTo = 360.0, elevationFrom = -60.2, elevationTo = 90.0;
 };
 
 Scan sweep(const RangeAlong& rangeAlong, const Sweep& s = {}) {
@@ -52,8 +50,8 @@ Scan sweep(const RangeAlong& rangeAlong, const Sweep& s = {}) {
         for (int row = 0; row < scan.rows; ++row) {
             const double azimuth = (s.azimuthFrom + column * s.stepDegrees) * kDegree;
             const double elevation = (s.elevationFrom + row * s.stepDegrees) * kDegree;
-            const glm::dvec3 ray(std::cos(elevation) * std::cos(azimuth),
-                                 std::cos(elevation) * std::sin(azimuth), std::sin(elevation));
+            const glm::dvec3 ray(std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth),
+                                 std::sin(elevation));
             const double range = rangeAlong(ray);
             if (range <= 0) continue;
             scan.pointsInScanner.emplace_back(glm::vec3(range * ray));
@@ -111,8 +109,7 @@ bool isInterior(const DepthImage& face, int x, int y) {
 int wallAlong(const glm::dvec3& ray) {
     const glm::dvec3 p = ray * rangeToRoom(ray);
     for (int axis = 0; axis < 3; ++axis)
-        if (std::abs(p[axis] - (ray[axis] > 0 ? kHigh : kLow)[axis]) < 1e-9)
-            return 2 * axis + (ray[axis] > 0);
+        if (std::abs(p[axis] - (ray[axis] > 0 ? kHigh : kLow)[axis]) < 1e-9) return 2 * axis + (ray[axis] > 0);
     return -1;
 }
 
@@ -180,8 +177,7 @@ TEST(CubeFaces, CellsOfSideFacesNeverShareAPixel) {
     const Scan scan = sweep(rangeToRoom, side);
     const CubeFaces faces = projectToCubeFaces(scan);
     std::size_t own = 0;
-    forEachSample(faces,
-                  [&](const DepthImage& face, int x, int y) { own += !(face.flags(x, y) & kInterpolated); });
+    forEachSample(faces, [&](const DepthImage& face, int x, int y) { own += !(face.flags(x, y) & kInterpolated); });
     EXPECT_EQ(own, scan.pointsInScanner.size());
     EXPECT_EQ(faces.faces.size(), 4u) << "no layers, no up, no down";
 }
@@ -221,8 +217,7 @@ TEST(CubeFaces, TheFacesCloseAroundTheScanner) {
             if (inCamera.z <= 0.5) continue;
             const glm::dvec2 place = project(face.camera, inCamera);
             const int x = static_cast<int>(std::floor(place.x)), y = static_cast<int>(std::floor(place.y));
-            seen |= x >= 0 && y >= 0 && x < face.camera.width && y < face.camera.height &&
-                    isSurface(face.flags(x, y));
+            seen |= x >= 0 && y >= 0 && x < face.camera.width && y < face.camera.height && isSurface(face.flags(x, y));
         }
         ASSERT_TRUE(seen) << "azimuth " << a / kDegree << ", elevation " << e / kDegree;
     }
@@ -230,20 +225,14 @@ TEST(CubeFaces, TheFacesCloseAroundTheScanner) {
 
 TEST(CubeFaces, FacesLookAsTheirNamesSay) {
     Scan scan = sweep(rangeToRoom);
-    scan.worldFromScanner = {glm::dmat3(0, 1, 0, -1, 0, 0, 0, 0, 1),
-                             glm::dvec3(10, 20, 30)}; // a quarter turn
+    scan.worldFromScanner = {glm::dmat3(0, 1, 0, -1, 0, 0, 0, 0, 1), glm::dvec3(10, 20, 30)}; // a quarter turn
     const CubeFaces faces = projectToCubeFaces(scan);
-    const auto forward = [&](const char* name) {
-        return faceNamed(faces, name)->worldFromCamera.rotation[2];
-    };
+    const auto forward = [&](const char* name) { return faceNamed(faces, name)->worldFromCamera.rotation[2]; };
     EXPECT_LT(glm::distance(forward("room-front"), glm::dvec3(0, 1, 0)), 1e-12);
     EXPECT_LT(glm::distance(forward("room-left"), glm::dvec3(-1, 0, 0)), 1e-12);
     EXPECT_LT(glm::distance(forward("room-up"), glm::dvec3(0, 0, 1)), 1e-12);
-    EXPECT_LT(
-        glm::distance(faceNamed(faces, "room-front")->worldFromCamera.rotation[1], glm::dvec3(0, 0, -1)),
-        1e-12);
-    EXPECT_LT(glm::distance(faceNamed(faces, "room-up")->worldFromCamera.translation, glm::dvec3(10, 20, 30)),
-              1e-12);
+    EXPECT_LT(glm::distance(faceNamed(faces, "room-front")->worldFromCamera.rotation[1], glm::dvec3(0, 0, -1)), 1e-12);
+    EXPECT_LT(glm::distance(faceNamed(faces, "room-up")->worldFromCamera.translation, glm::dvec3(10, 20, 30)), 1e-12);
     for (const DepthImage& face : faces.faces)
         EXPECT_NEAR(glm::determinant(face.worldFromCamera.rotation), 1.0, 1e-12) << face.name;
 }
@@ -278,8 +267,8 @@ TEST(CubeFaces, PointsInOnePixelAreClustered) {
     std::vector<glm::vec3> points;
     for (int i = -3; i <= 3; ++i)
         if (i != 0) points.emplace_back(2.0f, 0.2f * static_cast<float>(i), 0.01f);
-    points.insert(points.end(), {glm::vec3(3, 0.003f, 0.003f), glm::vec3(1, 0.001f, 0.001f),
-                                 glm::vec3(1.01f, 0.002f, 0.002f)});
+    points.insert(points.end(),
+                  {glm::vec3(3, 0.003f, 0.003f), glm::vec3(1, 0.001f, 0.001f), glm::vec3(1.01f, 0.002f, 0.002f)});
     const CubeFaces faces = projectToCubeFaces(loose(points));
     EXPECT_EQ(faces.report.held, 9);
     const DepthImage *first = faceNamed(faces, "loose-front"), *second = faceNamed(faces, "loose-front-2");
@@ -381,8 +370,7 @@ TEST(CubeFaces, RangeWithoutColourIsFlagged) {
     Scan scan = sweep(rangeToRoom);
     scan.hasColour = false;
     const CubeFaces faces = projectToCubeFaces(scan);
-    forEachSample(faces,
-                  [&](const DepthImage& face, int x, int y) { ASSERT_TRUE(face.flags(x, y) & kNoColour); });
+    forEachSample(faces, [&](const DepthImage& face, int x, int y) { ASSERT_TRUE(face.flags(x, y) & kNoColour); });
 }
 
 TEST(CubeFaces, NothingAndNextToNothing) {
@@ -394,8 +382,7 @@ TEST(CubeFaces, NothingAndNextToNothing) {
     EXPECT_EQ(projectToCubeFaces(loose({{0, 0, 0}})).report.dropped, 1);
     const CubeFaces same = projectToCubeFaces(loose(std::vector<glm::vec3>(1000, glm::vec3(1, 2, 3))));
     EXPECT_EQ(same.report.held, 1000);
-    const CubeFaces far =
-        projectToCubeFaces(loose({{1e30f, 0, 0}, {1e-3f, 0, 1e-3f}, {-1e30f, 1e30f, 1e30f}}));
+    const CubeFaces far = projectToCubeFaces(loose({{1e30f, 0, 0}, {1e-3f, 0, 1e-3f}, {-1e30f, 1e30f, 1e30f}}));
     EXPECT_EQ(far.report.held + far.report.dropped, 3);
 }
 
