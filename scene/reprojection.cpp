@@ -20,9 +20,15 @@ struct Corners {
     float s, t;
 };
 
+/// std::floor as an int. Without SSE 4.1, which is not asked for when compiling, std::floor is a long way round.
+int floorOf(float value) {
+    const int towardsZero = static_cast<int>(value);
+    return towardsZero - (static_cast<float>(towardsZero) > value ? 1 : 0);
+}
+
 Corners cornersAbout(const Camera& camera, float u, float v) {
-    const float left = std::floor(u - 0.5f), top = std::floor(v - 0.5f);
-    const int x = static_cast<int>(left), y = static_cast<int>(top);
+    const int x = floorOf(u - 0.5f), y = floorOf(v - 0.5f);
+    const auto left = static_cast<float>(x), top = static_cast<float>(y);
     return {std::clamp(x, 0, camera.width - 1),
             std::clamp(y, 0, camera.height - 1),
             std::clamp(x + 1, 0, camera.width - 1),
@@ -42,7 +48,7 @@ float nearestAbout(const DepthImage& image, int x, int y) {
 
 } // namespace
 
-Comparison compareWith(const DepthImage& target, const Sighting& sighting, const ComparisonOptions& options) {
+Comparison compareAnywhere(const DepthImage& target, const Sighting& sighting, const ComparisonOptions& options) {
     Comparison result;
     const Camera& camera = target.camera;
     if (!(sighting.w > 0) || !(sighting.u >= 0) || !(sighting.v >= 0) ||
@@ -57,9 +63,8 @@ Comparison compareWith(const DepthImage& target, const Sighting& sighting, const
     const float lowest = std::min(std::min(d00, d10), std::min(d01, d11));
     const float highest = std::max(std::max(d00, d10), std::max(d01, d11));
     const float slope = highest - lowest;
-    // Bilinear only within a surface. A surface may be steep, but a step of several times the tolerance is a
-    // silhouette.
-    result.isSmooth = allSurface && slope <= 4 * options.sameSurface * highest;
+    // Bilinear only within a surface.
+    result.isSmooth = allSurface && slope <= smoothSlope(options, highest);
     float tolerance = options.sameSurface * sighting.disparity;
     if (result.isSmooth) {
         const float top = d00 + at.s * (d10 - d00), bottom = d01 + at.s * (d11 - d01);
@@ -76,11 +81,15 @@ Comparison compareWith(const DepthImage& target, const Sighting& sighting, const
         result.relation = Relation::agrees;
     } else if (difference < 0) {
         result.relation = Relation::behind;
-    } else {
-        const float nearest = nearestAbout(target, static_cast<int>(sighting.u), static_cast<int>(sighting.v));
-        result.relation = sighting.disparity - nearest > tolerance ? Relation::inFront : Relation::outside;
+    } else if (isBeforeAllAbout(target, sighting, tolerance)) {
+        result.relation = Relation::inFront;
     }
     return result;
+}
+
+bool isBeforeAllAbout(const DepthImage& target, const Sighting& sighting, float tolerance) {
+    const float nearest = nearestAbout(target, static_cast<int>(sighting.u), static_cast<int>(sighting.v));
+    return sighting.disparity - nearest > tolerance;
 }
 
 glm::vec3 colourAt(const DepthImage& target, float u, float v) {

@@ -5,6 +5,9 @@
 #include "scene/depth_image.h"
 #include "scene/view.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include <glm/vec3.hpp>
 
 namespace scene {
@@ -53,12 +56,59 @@ struct ComparisonOptions {
         1.0f; ///< how many pixels B's samples may be misplaced: B's own slope over so many is allowed for
 };
 
+/// How much disparity may change between four samples of one surface. A surface may be steep, but a step of several
+/// times the tolerance is a silhouette.
+inline float smoothSlope(const ComparisonOptions& options, float highest) {
+    return 4 * options.sameSurface * highest;
+}
+
 /// Soft depth comparison. inFront is only said where every sample of B about (u, v), 3x3, is farther: the paper's wide
 /// lines.
 Comparison compareWith(const DepthImage& target, const Sighting& sighting, const ComparisonOptions& options);
 
+/// The same, wherever the sighting is: what compareWith asks when the four samples about it are no surface within the
+/// image.
+Comparison compareAnywhere(const DepthImage& target, const Sighting& sighting, const ComparisonOptions& options);
+
+/// Whether every sample of B about the sighting is farther than it by more than tolerance.
+bool isBeforeAllAbout(const DepthImage& target, const Sighting& sighting, float tolerance);
+
 /// B's colour at (u, v): bilinear; call where compareWith found a smooth surface. Linear in the stored values, 0 to
 /// 255.
 glm::vec3 colourAt(const DepthImage& target, float u, float v);
+
+// Inline, since the stages of refine compare every sample with every partner. The parts of the result stay apart until
+// the end: g++ 12 would carry a whole Comparison through memory, and wait for it there.
+inline Comparison compareWith(const DepthImage& target, const Sighting& sighting, const ComparisonOptions& options) {
+    const float left = sighting.u - 0.5f, top = sighting.v - 0.5f;
+    const int width = target.camera.width, height = target.camera.height;
+    if (sighting.w > 0 && left >= 0 && top >= 0 && left < static_cast<float>(width - 1) &&
+        top < static_cast<float>(height - 1)) {
+        const int x = static_cast<int>(left), y = static_cast<int>(top);
+        const std::uint8_t* const flags = &target.flags(x, y);
+        const auto anyFlags = static_cast<std::uint8_t>(flags[0] | flags[1] | flags[width] | flags[width + 1]);
+        const float* const d = &target.disparity(x, y);
+        const float d00 = d[0], d10 = d[1], d01 = d[width], d11 = d[width + 1];
+        const float highest = std::max(std::max(d00, d10), std::max(d01, d11));
+        const float slope = highest - std::min(std::min(d00, d10), std::min(d01, d11));
+        if (isSurface(anyFlags) && slope <= smoothSlope(options, highest)) {
+            const float s = left - static_cast<float>(x), t = top - static_cast<float>(y);
+            const float above = d00 + s * (d10 - d00), below = d01 + s * (d11 - d01);
+            const float disparity = above + t * (below - above);
+            const float tolerance = options.sameSurface * sighting.disparity + options.pixelError * slope;
+            const float difference = sighting.disparity - disparity;
+            Relation relation = Relation::outside;
+            if (std::abs(difference) <= tolerance)
+                relation = Relation::agrees;
+            else if (difference < 0)
+                relation = Relation::behind;
+            else if (isBeforeAllAbout(target, sighting, tolerance))
+                relation = Relation::inFront;
+            return {relation, disparity, true};
+        }
+    }
+    const Comparison elsewhere = compareAnywhere(target, sighting, options);
+    return {elsewhere.relation, elsewhere.disparity, elsewhere.isSmooth};
+}
 
 } // namespace scene

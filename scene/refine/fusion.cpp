@@ -19,6 +19,7 @@ struct Mean {
     float colourWeight = 0, disparity = 0, disparityWeight = 0;
 };
 
+/// Whether drawing needs this sample: it is kept, or shares a mesh square with one that is.
 bool isNeeded(const Image<Keep>& kept, int x, int y) {
     for (int j = std::max(y - 1, 0); j <= std::min(y + 1, kept.height() - 1); ++j)
         for (int i = std::max(x - 1, 0); i <= std::min(x + 1, kept.width() - 1); ++i)
@@ -53,10 +54,20 @@ DepthImage fuse(ImageStore& images, std::size_t index, const std::vector<Partner
     const float perAngle = 1 / (options.angleRadians * options.angleRadians);
     const float perColour = 1 / (options.colourStep * options.colourStep);
 
+    // What is the same for all partners is worked out once: which samples are needed, and the rays through them.
+    Image<std::uint8_t> needed(camera.width, camera.height, 0);
+    std::vector<float> rayX(static_cast<std::size_t>(camera.width)), rayY(static_cast<std::size_t>(camera.height));
+    for (int x = 0; x < camera.width; ++x)
+        rayX[static_cast<std::size_t>(x)] = static_cast<float>(rayThrough(camera, x + 0.5, 0).x);
+    tbb::parallel_for(0, camera.height, [&](int y) {
+        rayY[static_cast<std::size_t>(y)] = static_cast<float>(rayThrough(camera, 0, y + 0.5).y);
+        for (int x = 0; x < camera.width; ++x)
+            needed(x, y) = isSurface(image.flags(x, y)) && isNeeded(kept, x, y) ? 1 : 0;
+    });
     const auto forNeeded = [&](const auto& visit) {
         tbb::parallel_for(0, camera.height, [&](int y) {
             for (int x = 0; x < camera.width; ++x)
-                if (isSurface(image.flags(x, y)) && isNeeded(kept, x, y)) visit(x, y);
+                if (needed(x, y)) visit(x, y);
         });
     };
     // Weights are relative to the sample's own, which is 1.
@@ -76,7 +87,8 @@ DepthImage fuse(ImageStore& images, std::size_t index, const std::vector<Partner
 
             // To the point, from here and from the partner; both times disparity, so that the sky needs no special
             // case.
-            const glm::vec3 fromHere(rayThrough(camera, px, py)), fromPartner = fromHere - d * partnerInCamera;
+            const glm::vec3 fromHere(rayX[static_cast<std::size_t>(x)], rayY[static_cast<std::size_t>(y)], 1.f);
+            const glm::vec3 fromPartner = fromHere - d * partnerInCamera;
             const float cosine = glm::dot(glm::normalize(fromHere), glm::normalize(fromPartner));
             const float angleSquared = 2 * (1 - std::min(cosine, 1.f));
             // Samples taken from nearer are sharper and their range is surer.

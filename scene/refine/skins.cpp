@@ -46,6 +46,33 @@ void forTrianglesOfRow(const DepthImage& image, int y, Visit visit) {
     }
 }
 
+/// A triangle that may be a skin though disparity does not jump.
+struct Candidate {
+    int x = 0;
+    SampleFlag skin = kSkinUpper;
+    const Corners* corners = nullptr;
+};
+
+/// The triangles of each row that are to be asked about, the same for all partners: not cut yet, and deeper than the
+/// noise between images. No shallower one can be told from a surface.
+std::vector<std::vector<Candidate>> findCandidates(const DepthImage& image, const Image<std::uint8_t>& flags,
+                                                   float sameSurface) {
+    std::vector<std::vector<Candidate>> rows(static_cast<std::size_t>(image.camera.height));
+    tbb::parallel_for(0, image.camera.height - 1, [&](int y) {
+        forTrianglesOfRow(image, y, [&](int x, SampleFlag skin, const Corners& corners) {
+            if (flags(x, y) & skin) return;
+            float lowest = image.disparity(x + corners[0][0], y + corners[0][1]), highest = lowest;
+            for (const auto& c : corners) {
+                lowest = std::min(lowest, image.disparity(x + c[0], y + c[1]));
+                highest = std::max(highest, image.disparity(x + c[0], y + c[1]));
+            }
+            if (highest - lowest > sameSurface * highest)
+                rows[static_cast<std::size_t>(y)].push_back({x, skin, &corners});
+        });
+    });
+    return rows;
+}
+
 /// A long skin may cross many pixels of the partner, which saw through few of them: so many pixels from probe to probe.
 constexpr float kProbeSpacing = 2;
 constexpr int kMostProbes = 64; ///< along an edge
@@ -107,6 +134,7 @@ Image<std::uint8_t> markSkins(ImageStore& images, std::size_t index, const std::
     Image<std::uint8_t> flags = markPlanarSkins(image, options.planarity, figures);
     Image<std::uint8_t> agreed(image.camera.width, image.camera.height, 0), seenThrough = agreed;
 
+    const std::vector<std::vector<Candidate>> candidates = findCandidates(image, flags, options.comparison.sameSurface);
     const std::size_t asked = std::min(partners.size(), static_cast<std::size_t>(options.maxPartners));
     for (std::size_t i = 0; i < asked; ++i) {
         const ImageStore::Lease partnerLease = images.borrow(partners[i].image);
@@ -121,19 +149,10 @@ Image<std::uint8_t> markSkins(ImageStore& images, std::size_t index, const std::
                 if (relation == Relation::agrees) ++agreed(x, y);
                 if (relation == Relation::inFront) ++seenThrough(x, y);
             }
-            if (y + 1 == image.camera.height) return;
-            // Only a triangle that is deeper than the noise between images can be told from a surface.
-            forTrianglesOfRow(image, y, [&](int x, SampleFlag skin, const Corners& corners) {
-                if (flags(x, y) & skin) return;
-                float lowest = image.disparity(x + corners[0][0], y + corners[0][1]), highest = lowest;
-                for (const auto& c : corners) {
-                    lowest = std::min(lowest, image.disparity(x + c[0], y + c[1]));
-                    highest = std::max(highest, image.disparity(x + c[0], y + c[1]));
-                }
-                if (highest - lowest <= options.comparison.sameSurface * highest) return;
-                if (sawThrough(partner, into, image, x, y, corners, options.comparison))
-                    flags(x, y) = static_cast<std::uint8_t>(flags(x, y) | skin);
-            });
+            for (const Candidate& triangle : candidates[static_cast<std::size_t>(y)])
+                if (!(flags(triangle.x, y) & triangle.skin) &&
+                    sawThrough(partner, into, image, triangle.x, y, *triangle.corners, options.comparison))
+                    flags(triangle.x, y) = static_cast<std::uint8_t>(flags(triangle.x, y) | triangle.skin);
         });
     }
 

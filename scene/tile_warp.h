@@ -1,0 +1,60 @@
+#pragma once
+// A tile on its way into an eye: the incremental transform of its vertices, and the keys of the z-buffer.
+// Nyland et al. 1999, section 5.1: along a tile the columns of the warp are stepped, so that a sample costs one
+// multiply-add by its disparity.
+
+#include "scene/tile.h"
+#include "scene/warp.h"
+
+#include <bit>
+
+#include <glm/mat4x4.hpp>
+#include <glm/vec3.hpp>
+
+namespace scene {
+
+/// h = origin + x columnX + y columnY + q columnQ = (u w, v w, w), all rounded from double. Disparity is the order's:
+/// over orderScale(level).
+struct TileWarp {
+    glm::vec3 origin, columnX, columnY, columnQ;
+    float minDisparity, disparityStep;
+    std::uint32_t levelAndClass;
+};
+
+inline TileWarp tileWarpOf(const Tile& tile, const glm::dmat4& eyeImageFromSourceImage, int level) {
+    const glm::dmat4& c = eyeImageFromSourceImage;
+    const double perScale = 1.0 / static_cast<double>(orderScale(level));
+    const double step = (static_cast<double>(tile.maxDisparity) - tile.minDisparity) / kMaxQuantisedDisparity;
+    const glm::dvec4 origin = c * glm::dvec4(tile.x0 + 0.5, tile.y0 + 0.5, 1.0, static_cast<double>(tile.minDisparity));
+    return {glm::vec3(glm::dvec3(origin)),
+            glm::vec3(glm::dvec3(c[0])),
+            glm::vec3(glm::dvec3(c[1])),
+            glm::vec3(glm::dvec3(c[3]) * step),
+            static_cast<float>(tile.minDisparity * perScale),
+            static_cast<float>(step * perScale),
+            static_cast<std::uint32_t>(level) << 2 | static_cast<std::uint32_t>(PixelClass::seen)};
+}
+
+/// A vertex in the eye's image.
+struct Projected {
+    float u = 0, v = 0, perW = 0, disparity = -1; ///< disparity < 0: behind the eye or too near
+};
+
+/// The formula of every warp, on the processor and on the GPU: the same operations in the same order.
+inline Projected projectVertex(const TileWarp& warp, std::uint32_t place) {
+    const auto x = static_cast<float>(place & 63u), y = static_cast<float>(place >> 6 & 63u);
+    const auto q = static_cast<float>(place >> 12);
+    const glm::vec3 h = warp.origin + x * warp.columnX + y * warp.columnY + q * warp.columnQ;
+    if (!(h.z > 0)) return {};
+    const float perW = 1.0f / h.z;
+    const float disparity = (warp.minDisparity + q * warp.disparityStep) * perW;
+    if (!(disparity <= 1.0f / kNearMetres)) return {};
+    return {h.x * perW, h.y * perW, perW, disparity};
+}
+
+inline std::uint64_t keyOf(float disparity, std::uint32_t colour, std::uint32_t levelAndClass) {
+    return static_cast<std::uint64_t>(std::bit_cast<std::uint32_t>(disparity)) << 32 | (colour & 0xffffffu) << 8 |
+           levelAndClass;
+}
+
+} // namespace scene
