@@ -137,6 +137,8 @@ Image<std::uint8_t> markSkins(ImageStore& images, std::size_t index, const std::
     const std::vector<std::vector<Candidate>> candidates = findCandidates(image, flags, options.comparison.sameSurface);
     const std::size_t asked = std::min(partners.size(), static_cast<std::size_t>(options.maxPartners));
     for (std::size_t i = 0; i < asked; ++i) {
+        // Faces and layers of one scan look from one place: what they hold apart is no evidence against either.
+        if (images.at(partners[i].image).worldFromCamera.translation == image.worldFromCamera.translation) continue;
         const ImageStore::Lease partnerLease = images.borrow(partners[i].image);
         const DepthImage& partner = *partnerLease;
         const Reprojection into = reprojectionInto(partner, image);
