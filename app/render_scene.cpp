@@ -54,11 +54,23 @@ render::Quality qualityOf(const RenderOptions& o) {
     return quality;
 }
 
+/// All tiles are made resident: what they take must be allowed before it is taken.
+void checkMemory(const scene::Scene& scene, const RenderOptions& o) {
+    std::size_t bytes = 0;
+    for (const scene::TileBlock& block : scene.blocks)
+        bytes += block.vertices.size_bytes() + block.quads.size_bytes();
+    if (bytes > o.memoryBytes)
+        throw scene::Failure("needs " + std::to_string((bytes >> 20) + 1) + " MiB but --memory allows " +
+                                 std::to_string(o.memoryBytes >> 20),
+                             o.scene, "allow more with --memory, or build it with a larger --cull-baseline");
+}
+
 } // namespace
 
 void renderScene(const RenderOptions& options) {
     const scene::Scene scene = scene::openScene(options.scene);
     const std::vector<NamedView> views = listViews(options, scene);
+    checkMemory(scene, options);
     const int eyes = options.eyes > 0 ? options.eyes : options.path.empty() ? 1 : 2;
     const render::Quality quality = qualityOf(options);
     const render::Device device;
