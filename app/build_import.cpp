@@ -77,16 +77,6 @@ void writeFaces(const scene::ScanSource& source, const scene::CubeFaceOptions& o
                                            .dump());
 }
 
-json readJson(const std::filesystem::path& path) {
-    const std::vector<std::byte> bytes = readWhole(path);
-    try {
-        return json::parse(reinterpret_cast<const char*>(bytes.data()),
-                           reinterpret_cast<const char*>(bytes.data()) + bytes.size());
-    } catch (const json::exception&) {
-        throw scene::Failure("is damaged", path, "remove the folder it is in and build again");
-    }
-}
-
 scene::StoredImage storedImage(const std::filesystem::path& file) {
     const scene::DepthImage header = scene::readDepthTiffHeader(file);
     return {header.name, header.camera, header.worldFromCamera, file, {}};

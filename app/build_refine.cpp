@@ -31,16 +31,6 @@ bool isThere(const std::filesystem::path& path) {
     return std::filesystem::exists(path, ignored);
 }
 
-json readJson(const std::filesystem::path& path) {
-    const std::vector<std::byte> bytes = readWhole(path);
-    try {
-        return json::parse(reinterpret_cast<const char*>(bytes.data()),
-                           reinterpret_cast<const char*>(bytes.data()) + bytes.size());
-    } catch (const json::exception&) {
-        throw scene::Failure("is damaged", path, "remove the folder it is in and build again");
-    }
-}
-
 scene::Image<scene::Keep> readKept(const std::filesystem::path& file, const scene::Camera& camera) {
     const scene::Image<std::uint8_t> bytes = scene::readFlagsTiff(file, camera);
     scene::Image<scene::Keep> kept(camera.width, camera.height);

@@ -118,4 +118,14 @@ std::vector<std::byte> readWhole(const std::filesystem::path& path) {
     return bytes;
 }
 
+nlohmann::json readJson(const std::filesystem::path& path) {
+    const std::vector<std::byte> bytes = readWhole(path);
+    const char* text = reinterpret_cast<const char*>(bytes.data());
+    try {
+        return nlohmann::json::parse(text, text + bytes.size());
+    } catch (const nlohmann::json::exception&) {
+        throw scene::Failure("is damaged", path, "remove the folder it is in and build again");
+    }
+}
+
 } // namespace app

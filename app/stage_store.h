@@ -43,5 +43,7 @@ class StageStore {
 void writeWhole(const std::filesystem::path& path, std::span<const std::byte> bytes);
 void writeWhole(const std::filesystem::path& path, const std::string& text);
 std::vector<std::byte> readWhole(const std::filesystem::path& path);
+/// What a stage wrote of itself; a damaged one is a Failure that says to remove it.
+nlohmann::json readJson(const std::filesystem::path& path);
 
 } // namespace app
