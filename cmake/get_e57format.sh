@@ -1,9 +1,7 @@
 #!/bin/bash
 # get_e57format.sh PREFIX: libE57Format, static and position independent, under PREFIX/include and PREFIX/lib.
 #
-# Debian 12 has no package of it, but carries its source within that of freecad. Only the upstream archive of that source
-# package is fetched, through a private apt configuration whose mirror and keys are those the machine's own apt uses;
-# apt checks it against the signed index. Nothing of the machine's apt configuration is changed.
+# Debian 12 has no package of it, but carries its source within that of freecad; get_debian_source.sh fetches that.
 #
 # PREFIX appears by one rename when everything is built, so that a killed run leaves no half library; a second run finds
 # the stamp and does nothing.
@@ -12,7 +10,8 @@ set -euo pipefail
 prefix=$(realpath -m "${1:?usage: get_e57format.sh PREFIX}")
 stamp="$prefix/.stamp"
 part="$prefix.part"
-version=$(sha256sum "$(realpath "$0")" | cut -c1-16)
+here=$(dirname "$(realpath "$0")")
+version=$(cat "$here/get_e57format.sh" "$here/get_debian_source.sh" | sha256sum | cut -c1-16)
 
 say() { printf 'get_e57format: %s\n' "$*" >&2; }
 fail() { say "$*"; exit 1; }
@@ -36,47 +35,15 @@ for tool in apt-get dpkg-source cmake ninja c++ tar xz; do
 done
 
 rm -rf "$part"
-mkdir -p "$part"/apt/{lists/partial,cache/archives/partial,sources} "$part"/{download,source,stage} ||
-    fail "cannot write to $part"
+mkdir -p "$part/stage" || fail "cannot write to $part"
 trap 'rm -rf "$part"' EXIT
 trap 'exit 130' INT TERM HUP
 
-# shellcheck disable=SC1091
-codename=$(. /etc/os-release && echo "${VERSION_CODENAME:-}")
-# shellcheck disable=SC2016 # apt expands these
-mirror=$(apt-get indextargets --format '$(SITE)|$(RELEASE)|$(COMPONENT)' 'Created-By: Packages' |
-    awk -F'|' -v release="$codename" '$2 == release && $3 == "main" { print $1; exit }') || true
-[ -n "$mirror" ] || fail "apt knows no main packages of '$codename'; add Debian's own to apt's sources"
-cat >"$part/apt/sources/source.sources" <<END
-Types: deb-src
-URIs: $mirror
-Suites: $codename
-Components: main
-Signed-By: /usr/share/keyrings/debian-archive-keyring.gpg
-END
-# The sandbox user of apt may not reach a folder in somebody's home.
-cat >"$part/apt/apt.conf" <<END
-Dir::Etc::sourcelist "/dev/null";
-Dir::Etc::sourceparts "$part/apt/sources";
-Dir::Etc::preferencesparts "/dev/null";
-Dir::State::lists "$part/apt/lists";
-Dir::Cache "$part/apt/cache";
-APT::Sandbox::User "root";
-Acquire::Languages "none";
-Acquire::Retries "3";
-END
-
 say "fetching the source"
-cd "$part/download"
-run index "apt cannot read the source index of $codename" env APT_CONFIG="$part/apt/apt.conf" apt-get -q update
-run fetch "apt cannot fetch the source of freecad, which carries libE57Format" \
-    env APT_CONFIG="$part/apt/apt.conf" apt-get -q source --tar-only --download-only freecad
-archive=$(find "$part/download" -name 'freecad_*.orig.tar.*' | sort | tail -n 1)
-[ -n "$archive" ] || fail "apt fetched no upstream archive of freecad"
-run unpack "cannot unpack $(basename "$archive")" \
-    tar -xf "$archive" -C "$part/source" --wildcards '*/src/3rdParty/libE57Format/*'
-source=$(find "$part/source" -type d -path '*/src/3rdParty/libE57Format' | head -n 1)
-[ -n "$source" ] || fail "$(basename "$archive") has no src/3rdParty/libE57Format any more"
+run fetch "the source of freecad, which carries libE57Format, could not be fetched" \
+    "$here/get_debian_source.sh" freecad "$part/freecad"
+source="$part/freecad/src/3rdParty/libE57Format"
+[ -d "$source" ] || fail "freecad's source has no src/3rdParty/libE57Format any more"
 
 # Two faults of version 2.2.1 are corrected. correct FILE SED-COMMAND: changes that file of its source, or fails.
 correct() {
