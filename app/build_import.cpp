@@ -20,7 +20,7 @@ namespace {
 using nlohmann::json;
 
 /// Changed whenever what a stage computes changes, so that results of older versions are not taken for new ones.
-constexpr int kImportVersion = 1;
+constexpr int kImportVersion = 2;
 
 json describe(const scene::Pose& pose) {
     json numbers = json::array();
@@ -30,7 +30,9 @@ json describe(const scene::Pose& pose) {
     return numbers;
 }
 
-std::string keyOfPhoto(const scene::PhotoSource& photo, const scene::DropoutOptions& dropouts) {
+std::string keyOfPhoto(const scene::PhotoSource& photo, const BuildOptions& options) {
+    const scene::DropoutOptions& dropouts = options.dropouts;
+    const scene::GuessOptions& guesses = options.guesses;
     const scene::Camera& c = photo.camera;
     const scene::Distortion& d = photo.distortion;
     return keyOf({kImportVersion,
@@ -41,7 +43,8 @@ std::string keyOfPhoto(const scene::PhotoSource& photo, const scene::DropoutOpti
                   {d.k1, d.k2, d.p1, d.p2, d.k3},
                   describe(photo.worldFromCamera),
                   photo.depthUnitMetres,
-                  {dropouts.radius, dropouts.sameSurface, dropouts.minSamples}});
+                  {dropouts.radius, dropouts.sameSurface, dropouts.minSamples},
+                  {guesses.radius, guesses.step, guesses.colourStep, guesses.sameSurface, guesses.minSamples}});
 }
 
 std::string keyOfScan(const scene::ScanSource& scan, const scene::CubeFaceOptions& faces) {
@@ -96,10 +99,11 @@ ImportedImages importImages(const scene::Capture& capture, const std::vector<std
     Progress progress("import", taken.size() + capture.scans.size());
     tbb::parallel_for(std::size_t{0}, taken.size(), [&](std::size_t i) {
         const scene::PhotoSource& photo = capture.photos[taken[i]];
-        keys[i] = keyOfPhoto(photo, options.dropouts);
+        keys[i] = keyOfPhoto(photo, options);
         const std::filesystem::path folder = store.find("photo", keys[i], [&](const std::filesystem::path& part) {
             scene::DepthImage image = readPhoto(photo);
             fillDropouts(image, options.dropouts);
+            guessRange(image, options.guesses);
             writeDepthTiff(image, part / "image.tiff");
         });
         photos[i] = {photo.name, photo.camera, photo.worldFromCamera, folder / "image.tiff", {}};

@@ -15,7 +15,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr int kRefineVersion = 1;
+constexpr int kRefineVersion = 2;
 
 json describe(const scene::ComparisonOptions& o) {
     return {o.sameSurface, o.pixelError};
@@ -74,10 +74,12 @@ SkinStage markSkins(const ImportedImages& imported, const Overlaps& overlaps, co
         if (!isThere(figuresFile)) {
             writeFlagsTiff(scene::markSkins(images, i, overlaps.partners[i], o, figures[i]), flagsFile);
             const scene::SkinFigures& f = figures[i];
-            writeWhole(figuresFile, json{f.samples, f.triangles, f.planarSkins, f.seenThrough, f.floating}.dump());
+            writeWhole(figuresFile, json{f.samples, f.triangles, f.planarSkins, f.seenThrough, f.floating, f.guesses,
+                                         f.confirmed, f.refuted}
+                                        .dump());
         } else {
             const json f = readJson(figuresFile);
-            figures[i] = {f.at(0), f.at(1), f.at(2), f.at(3), f.at(4)};
+            figures[i] = {f.at(0), f.at(1), f.at(2), f.at(3), f.at(4), f.at(5), f.at(6), f.at(7)};
         }
         stage.images[i].flagsFile = flagsFile;
         progress.advance();
@@ -85,7 +87,8 @@ SkinStage markSkins(const ImportedImages& imported, const Overlaps& overlaps, co
     for (const scene::SkinFigures& f : figures) {
         stage.figures.samples += f.samples, stage.figures.triangles += f.triangles;
         stage.figures.planarSkins += f.planarSkins, stage.figures.seenThrough += f.seenThrough;
-        stage.figures.floating += f.floating;
+        stage.figures.floating += f.floating, stage.figures.guesses += f.guesses;
+        stage.figures.confirmed += f.confirmed, stage.figures.refuted += f.refuted;
     }
     return stage;
 }
@@ -94,8 +97,8 @@ KeepStage keepBest(const ImportedImages& imported, const Overlaps& overlaps, con
                    const BuildOptions& options, StageStore& store) {
     const scene::RedundancyOptions& o = options.redundancy;
     KeepStage stage;
-    stage.key = keyOf(
-        {kRefineVersion, skins.key, options.cull, o.preference, o.baselineShare, o.tileSize, describe(o.comparison)});
+    stage.key = keyOf({kRefineVersion, skins.key, options.cull, o.preference, o.baselineShare, o.minPatchShare,
+                       o.tileSize, describe(o.comparison)});
     Progress progress("redundancy", imported.images.size());
     const std::filesystem::path folder = store.find("kept", stage.key, [&](const std::filesystem::path& part) {
         scene::ImageStore images = openImages(skins.images, options);
@@ -106,8 +109,9 @@ KeepStage keepBest(const ImportedImages& imported, const Overlaps& overlaps, con
         } else {
             for (const scene::StoredImage& image : skins.images)
                 kept.emplace_back(image.camera.width, image.camera.height, scene::Keep::base);
-            figures = {skins.figures.samples - skins.figures.floating, skins.figures.samples - skins.figures.floating,
-                       0};
+            const scene::SkinFigures& f = skins.figures;
+            const std::int64_t surfaces = f.samples + f.confirmed - f.floating;
+            figures = {surfaces, surfaces, 0, f.guesses};
         }
         for (std::size_t i = 0; i < kept.size(); ++i) {
             scene::Image<std::uint8_t> bytes(kept[i].width(), kept[i].height());
@@ -115,11 +119,12 @@ KeepStage keepBest(const ImportedImages& imported, const Overlaps& overlaps, con
                 bytes.pixels()[k] = static_cast<std::uint8_t>(kept[i].pixels()[k]);
             writeFlagsTiff(bytes, part / (imported.images[i].name + ".tiff"));
         }
-        writeWhole(part / "figures.json", json{figures.samples, figures.base, figures.directional}.dump());
+        writeWhole(part / "figures.json",
+                   json{figures.samples, figures.base, figures.directional, figures.guesses}.dump());
     });
     progress.advance(imported.images.size());
     const json figures = readJson(folder / "figures.json");
-    stage.figures = {figures.at(0), figures.at(1), figures.at(2)};
+    stage.figures = {figures.at(0), figures.at(1), figures.at(2), figures.at(3)};
     for (const scene::StoredImage& image : imported.images)
         stage.files.push_back(folder / (image.name + ".tiff"));
     return stage;

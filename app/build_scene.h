@@ -24,6 +24,7 @@ struct BuildOptions {
     int tileSize = scene::kDefaultTileSize;
     scene::CubeFaceOptions cubeFaces;
     scene::DropoutOptions dropouts;
+    scene::GuessOptions guesses;
     scene::SkinOptions skins;
     scene::RedundancyOptions redundancy;
     scene::FusionOptions fusion;

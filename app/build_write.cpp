@@ -47,6 +47,7 @@ json describeOptions(const BuildOptions& o) {
             {"same_surface", o.skins.comparison.sameSurface},
             {"cull_preference", o.redundancy.preference},
             {"cull_baseline_share", o.redundancy.baselineShare},
+            {"guess_radius", o.guesses.radius},
             {"fusion_angle_rad", o.fusion.angleRadians},
             {"fusion_colour_step", o.fusion.colourStep}};
 }
@@ -149,6 +150,10 @@ void writeScene(const std::filesystem::path& output, const scene::Capture& captu
                         {"samples_base", kept.figures.base},
                         {"samples_directional", kept.figures.directional},
                         {"samples_floating", skins.figures.floating},
+                        {"guesses_confirmed", skins.figures.confirmed},
+                        {"guesses_refuted", skins.figures.refuted},
+                        {"guesses_open", skins.figures.guesses},
+                        {"guesses_kept", kept.figures.guesses},
                         {"triangles", skins.figures.triangles},
                         {"triangles_skin_planarity", skins.figures.planarSkins},
                         {"triangles_skin_seen_through", skins.figures.seenThrough},

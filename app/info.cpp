@@ -49,6 +49,11 @@ void printInfo(const std::filesystem::path& folder, bool asJson) {
     std::printf("  samples    %.0f; kept %s as base, %s for other directions; %.0f float in empty space\n",
                 number("samples"), shareText(number("samples_base"), number("samples")).c_str(),
                 shareText(number("samples_directional"), number("samples")).c_str(), number("samples_floating"));
+    if (number("guesses_confirmed") + number("guesses_refuted") + number("guesses_open") > 0)
+        std::printf(
+            "  guesses    of range where none was measured: %.0f confirmed by other images, %.0f refuted; of the "
+            "%.0f others %.0f kept, shown as filled\n",
+            number("guesses_confirmed"), number("guesses_refuted"), number("guesses_open"), number("guesses_kept"));
     std::printf("  skins      %s of the triangles by planarity, %s more seen through by another image\n",
                 shareText(number("triangles_skin_planarity"), number("triangles")).c_str(),
                 shareText(number("triangles_skin_seen_through"), number("triangles")).c_str());

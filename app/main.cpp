@@ -61,6 +61,12 @@ void addBuild(CLI::App& program, app::BuildOptions& options, std::string& memory
                      "relative difference in depth up to which two images mean the same surface")
         ->check(CLI::Range(1e-5, 0.5))
         ->capture_default_str();
+    build
+        ->add_option("--guess-radius", options.guesses.radius,
+                     "photographs: range that was not measured is guessed from this many pixels about, and shown as "
+                     "filled unless another image confirms it; 0: never")
+        ->check(CLI::Range(0, 100))
+        ->capture_default_str();
     build->add_option("--tile-size", options.tileSize, "samples along the side of a tile")
         ->check(CLI::Range(1, scene::kMaxTileSize))
         ->capture_default_str();

@@ -1,5 +1,8 @@
 #include "render/draw_list.h"
 
+#include "render/shaders/shared/z_key.h"
+#include "scene/footprint.h"
+
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
@@ -7,7 +10,6 @@
 #include <bit>
 #include <cassert>
 #include <cmath>
-#include <limits>
 
 namespace render {
 
@@ -18,6 +20,10 @@ constexpr std::size_t kDrawsPerTask = 512;
 
 std::uint32_t itemsOf(const ResidentTile& tile, Warp warp) {
     return warp == Warp::points ? tile.pointCount : tile.quadCount;
+}
+
+uint classOf(const ResidentTile& tile) {
+    return tile.middle.tier == scene::Tier::guess ? kClassFilled : kClassSeen;
 }
 
 /// Sorts by page, then near to far, then by number, so that no two are equal.
@@ -37,12 +43,9 @@ std::uint32_t tileIn(std::uint64_t order) {
 }
 
 std::uint32_t footprintOf(const glm::dmat4& c, const TileBounds& bounds, std::uint32_t i, const Quality& quality) {
-    if (quality.maxFootprint <= 1) return 1;
-    const double width = quality.footprintScale * sampleWidthInEye(c, {bounds.xMin[i], bounds.yMin[i], bounds.dMin[i]},
-                                                                   {bounds.xMax[i], bounds.yMax[i], bounds.dMax[i]});
-    // A hundredth of a pixel of slack: what is as dense as the screen stays one pixel wide in spite of
-    // rounding.
-    return static_cast<std::uint32_t>(std::clamp(std::ceil(width - 0.01), 1.0, double(quality.maxFootprint)));
+    const scene::SampleBox box{{bounds.xMin[i], bounds.yMin[i], bounds.dMin[i]},
+                               {bounds.xMax[i], bounds.yMax[i], bounds.dMax[i]}};
+    return static_cast<std::uint32_t>(scene::footprintOf(c, box, quality.footprintScale, quality.maxFootprint));
 }
 
 } // namespace
@@ -59,24 +62,8 @@ TileDraw tileDrawOf(const glm::dmat4& c, const ResidentTile& tile, int orderLeve
     draw.perX = glm::vec4(hOf({1, 0, 0, 0}));
     draw.perY = glm::vec4(hOf({0, 1, 0, 0}));
     draw.perQ = glm::vec4(hOf({0, 0, 0, step}));
-    draw.span = {tile.firstVertex, 0, 0, packMark(static_cast<uint>(orderLevel), 1)};
+    draw.span = {tile.firstVertex, 0, 0, packMark(static_cast<uint>(orderLevel), classOf(tile), 1)};
     return draw;
-}
-
-double sampleWidthInEye(const glm::dmat4& c, const glm::dvec3& boxMin, const glm::dvec3& boxMax) {
-    const glm::dvec3 cx(c[0]), cy(c[1]), c1(c[2]), cd(c[3]);
-    double widest = 0;
-    for (const double d : {boxMin.z, boxMax.z})
-        for (const double y : {boxMin.y, boxMax.y})
-            for (const double x : {boxMin.x, boxMax.x}) {
-                const glm::dvec3 h = x * cx + y * cy + c1 + d * cd; // (u w, v w, w)
-                if (h.z <= 0) return std::numeric_limits<double>::infinity();
-                const double u = h.x / h.z, v = h.y / h.z;
-                const double across = std::abs(cx.x - u * cx.z) + std::abs(cy.x - u * cy.z);
-                const double down = std::abs(cx.y - v * cx.z) + std::abs(cy.y - v * cy.z);
-                widest = std::max(widest, std::max(across, down) / h.z);
-            }
-    return widest;
 }
 
 void buildDrawList(std::span<const ResidentTile> tiles, const TileBounds& bounds, std::span<const TilePiece> pieces,
@@ -118,7 +105,7 @@ void buildDrawList(std::span<const ResidentTile> tiles, const TileBounds& bounds
             draw.span.z = itemsOf(tile, quality.warp);
             draw.span.y = quality.warp == Warp::points ? tile.firstVertex : tile.firstQuad;
             const std::uint32_t footprint = quality.warp == Warp::points ? footprintOf(c, bounds, number, quality) : 1;
-            draw.span.w = packMark(static_cast<uint>(level), footprint);
+            draw.span.w = packMark(static_cast<uint>(level), classOf(tile), footprint);
             draws[i] = draw;
         }
     });

@@ -29,12 +29,6 @@ struct DrawList {
 /// and only then rounded.
 TileDraw tileDrawOf(const glm::dmat4& eyeImageFromSource, const ResidentTile& tile, int orderLevel = 0);
 
-/// How wide, in pixels, squares must be so that no hole opens between neighbouring samples of one disparity: the larger
-/// side of the box around a projected source pixel (a parallelogram), at the worst corner of the samples' box (x, y at
-/// sample centres). The projected area alone would not do: at the same area, turned or sheared pixels leave holes.
-/// Infinite if the box reaches behind the eye.
-double sampleWidthInEye(const glm::dmat4& eyeImageFromSource, const glm::dvec3& boxMin, const glm::dvec3& boxMax);
-
 /// Builds the list of all tiles that have items for this warp, and writes draws (room for all tiles of the
 /// scene). eyeImagesFromSources: one C per image; eyeFromCameras: how far
 /// the eye stands from the image's camera, metres in the world. The same bytes on any number of threads.

@@ -1,5 +1,7 @@
 #include "render/visibility.h"
 
+#include "scene/footprint.h"
+
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -8,13 +10,11 @@
 namespace render {
 
 void TileBounds::append(const scene::Tile& tile, const scene::Camera& camera) {
-    // The border stands one sample outside the tile, but never outside the image.
-    const int right = std::min(tile.x0 + tile.width, camera.width - 1);
-    const int bottom = std::min(tile.y0 + tile.height, camera.height - 1);
-    xMin.push_back(static_cast<float>(tile.x0) + 0.5f);
-    xMax.push_back(static_cast<float>(right) + 0.5f);
-    yMin.push_back(static_cast<float>(tile.y0) + 0.5f);
-    yMax.push_back(static_cast<float>(bottom) + 0.5f);
+    const scene::SampleBox box = scene::boxOf(tile, camera);
+    xMin.push_back(static_cast<float>(box.least.x));
+    xMax.push_back(static_cast<float>(box.most.x));
+    yMin.push_back(static_cast<float>(box.least.y));
+    yMax.push_back(static_cast<float>(box.most.y));
     dMin.push_back(tile.minDisparity);
     dMax.push_back(tile.maxDisparity);
 }

@@ -31,7 +31,8 @@ enum SampleFlag : std::uint8_t {
         1 << 7, ///< another image keeps this piece of surface, this sample is kept for how it looks from here
 };
 
-/// All three images have the camera's size. disparity is 0 where there is no surface or it is infinitely far.
+/// All three images have the camera's size. disparity is 0 where there is no surface or it is infinitely far; where
+/// range is a guess (isGuess) it is the guess.
 struct DepthImage {
     std::string name; ///< unique within a scene; becomes a file name
     Camera camera;
@@ -43,6 +44,16 @@ struct DepthImage {
 
 inline bool isSurface(std::uint8_t flags) {
     return (flags & (kNoSurface | kFloating)) == 0;
+}
+
+/// No range was measured here (kNoSurface), but the surroundings suggest one (kInterpolated). It proves nothing to
+/// other images; what is drawn of it is of class filled.
+inline bool isGuess(std::uint8_t flags) {
+    return (flags & (kNoSurface | kFloating | kInterpolated)) == (kNoSurface | kInterpolated);
+}
+
+inline bool isDrawable(std::uint8_t flags) {
+    return isSurface(flags) || isGuess(flags);
 }
 
 /// Bytes that the three pictures of such an image take.

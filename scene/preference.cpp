@@ -33,7 +33,8 @@ std::optional<int> orderLevelOf(const TileMiddle& middle, const glm::dvec3& eyeF
         return std::nullopt;
     }
     const double share = distance > 0 ? baseline / (distance * static_cast<double>(options.nearBaseline)) : 0.0;
-    return static_cast<int>(std::lround(std::min(share, 1.0) * options.nearLevels));
+    const int behind = middle.tier == Tier::guess ? options.guessLevels : 0;
+    return std::min(static_cast<int>(std::lround(std::min(share, 1.0) * options.nearLevels)) + behind, kMaxOrderLevel);
 }
 
 } // namespace scene

@@ -26,10 +26,12 @@ inline float orderScale(int level) {
 
 struct PreferenceOptions {
     /// A camera is near the eye, for a surface, if it stands no farther from the eye than this share of the eye's
-    /// distance to the surface. Directional tiles are drawn only where their camera is near. 0: plain z order, base
-    /// tiles alone.
+    /// distance to the surface. Directional tiles and guesses are drawn only where their camera is near. 0: plain z
+    /// order, base tiles alone.
     float nearBaseline = 0.1f;
     int nearLevels = 6; ///< order levels over which near cameras are told apart
+    int guessLevels =
+        3; ///< guesses of range are pushed back by so many more: what was measured about there comes first
 };
 
 /// Where a tile's middle is, for a camera: rayInWorld is the ray of depth 1 through it, turned into the world;

@@ -97,7 +97,7 @@ void checkBlock(const TileBlock& block, const std::string& where) {
         require(tile.width <= kMaxTileSize && tile.height <= kMaxTileSize && tile.x0 >= 0 && tile.y0 >= 0 &&
                     tile.x0 + tile.width <= block.camera.width && tile.y0 + tile.height <= block.camera.height,
                 "a place outside its image");
-        require(tile.tier == Tier::base || tile.tier == Tier::directional, "an unknown tier");
+        require(static_cast<int>(tile.tier) < kTiers, "an unknown tier");
         require(tile.pointCount <= tile.vertexCount &&
                     std::uint64_t{tile.firstVertex} + tile.vertexCount <= block.vertices.size() &&
                     std::uint64_t{tile.firstQuad} + tile.quadCount <= block.quads.size(),

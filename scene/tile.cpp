@@ -12,10 +12,11 @@ namespace {
 constexpr std::uint32_t kNowhere = std::numeric_limits<std::uint32_t>::max();
 
 bool isKept(std::uint8_t flags) {
-    return isSurface(flags) && (flags & kRedundant) == 0;
+    return isDrawable(flags) && (flags & kRedundant) == 0;
 }
 
 Tier tierOf(std::uint8_t flags) {
+    if (isGuess(flags)) return Tier::guess;
     return (flags & kDirectional) != 0 ? Tier::directional : Tier::base;
 }
 
@@ -70,13 +71,15 @@ class TileCutter {
     bool isDrawn(int ax, int ay, int bx, int by, int cx, int cy) const {
         if (!isInside(ax, ay) || !isInside(bx, by) || !isInside(cx, cy)) return false;
         const std::uint8_t a = flagsAt(ax, ay), b = flagsAt(bx, by), c = flagsAt(cx, cy);
-        if (!isSurface(a) || !isSurface(b) || !isSurface(c)) return false;
+        if (!isDrawable(a) || !isDrawable(b) || !isDrawable(c)) return false;
         // A triangle between tiers is the base's, so that the base has no cracks of its own.
         const auto has = [&](Tier tier) {
             return (isKept(a) && tierOf(a) == tier) || (isKept(b) && tierOf(b) == tier) ||
                    (isKept(c) && tierOf(c) == tier);
         };
-        return tier_ == Tier::base ? has(Tier::base) : has(Tier::directional) && !has(Tier::base);
+        if (isGuess(a) || isGuess(b) || isGuess(c))
+            return tier_ == Tier::guess && (isKept(a) || isKept(b) || isKept(c));
+        return tier_ == Tier::base ? has(Tier::base) : has(tier_) && !has(Tier::base);
     }
 
     void appendQuad(int x, int y, TileSet& set) {
@@ -126,7 +129,7 @@ TileSet cutIntoTiles(const DepthImage& image, int tileSize) {
     TileSet set;
     for (int y0 = 0; y0 < image.camera.height; y0 += tileSize)
         for (int x0 = 0; x0 < image.camera.width; x0 += tileSize)
-            for (const Tier tier : {Tier::base, Tier::directional})
+            for (const Tier tier : {Tier::base, Tier::directional, Tier::guess})
                 TileCutter(image, tier, x0, y0, std::min(tileSize, image.camera.width - x0),
                            std::min(tileSize, image.camera.height - y0))
                     .appendTo(set);

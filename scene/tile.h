@@ -41,8 +41,10 @@ inline constexpr std::uint32_t kQuadIndexMask = 0x1fff;
 
 /// Base tiles together hold every piece of surface that was seen. Directional tiles hold surfaces that the base has
 /// too, as they look from another direction: they are drawn only for eyes that look from near it, and leaving them out
-/// opens no hole.
-enum class Tier : std::uint8_t { base = 0, directional = 1 };
+/// opens no hole. Guess tiles hold what has no measured range (isGuess): a guess is believed only near where it was
+/// made, so they are drawn for the same eyes as directional ones, as pixels of class filled.
+enum class Tier : std::uint8_t { base = 0, directional = 1, guess = 2 };
+inline constexpr int kTiers = 3;
 
 /// firstVertex and firstQuad count within the image's block. The first pointCount vertices are kept samples; the rest
 /// is border, which only the mesh uses. The extremes are over all vertices.
@@ -78,10 +80,10 @@ inline TileBlock lend(const TileSet& set, const Camera& camera, const Pose& worl
     return {camera, worldFromCamera, set.tiles, set.vertices, set.quads};
 }
 
-/// Cuts an image into tiles of tileSize x tileSize samples (1 to kMaxTileSize). A sample is kept if it is a surface and
-/// not redundant; a triangle is drawn if it is no skin, its three samples are surfaces and at least one is kept, by the
-/// tier of its kept samples (base before directional). A place in the image gives up to two tiles, one of each tier;
-/// those without kept samples and triangles are left out.
+/// Cuts an image into tiles of tileSize x tileSize samples (1 to kMaxTileSize). A sample is kept if it is drawable and
+/// not redundant; a triangle is drawn if it is no skin, its three samples are drawable and at least one is kept, by the
+/// tier of its kept samples (base before directional); with a guess among its samples it is a guess. A place in the
+/// image gives up to three tiles, one of each tier; those without kept samples and triangles are left out.
 TileSet cutIntoTiles(const DepthImage& image, int tileSize = kDefaultTileSize);
 
 /// Disparity of a vertex of this tile.

@@ -21,6 +21,10 @@ struct TileWarp {
     std::uint32_t levelAndClass;
 };
 
+inline PixelClass classOf(Tier tier) {
+    return tier == Tier::guess ? PixelClass::filled : PixelClass::seen;
+}
+
 inline TileWarp tileWarpOf(const Tile& tile, const glm::dmat4& eyeImageFromSourceImage, int level) {
     const glm::dmat4& c = eyeImageFromSourceImage;
     const double perScale = 1.0 / static_cast<double>(orderScale(level));
@@ -32,7 +36,7 @@ inline TileWarp tileWarpOf(const Tile& tile, const glm::dmat4& eyeImageFromSourc
             glm::vec3(glm::dvec3(c[3]) * step),
             static_cast<float>(tile.minDisparity * perScale),
             static_cast<float>(step * perScale),
-            static_cast<std::uint32_t>(level) << 2 | static_cast<std::uint32_t>(PixelClass::seen)};
+            static_cast<std::uint32_t>(level) << 2 | static_cast<std::uint32_t>(classOf(tile.tier))};
 }
 
 /// A vertex in the eye's image.

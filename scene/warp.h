@@ -28,12 +28,8 @@ inline constexpr float kNearMetres = 1e-5f;
 struct WarpOptions {
     PreferenceOptions preference;
     int maxFootprint = 1;       ///< points: pixels; 1: exactly one pixel a sample
-    float footprintScale = 1.f; ///< points: times the side of a sample's projected square
+    float footprintScale = 1.f; ///< points: times the width that closes holes, see scene/footprint.h
 };
-
-/// Side of the square of pixels that a tile's points cover: the square root of the largest projected area of a sample
-/// over the tile's corners, det[columnX, columnY, origin + d columnD] / w^3 (the Jacobian of the warp), rounded up.
-int footprintOf(const Tile& tile, const glm::dmat4& eyeImageFromSourceImage, const WarpOptions& options);
 
 /// Warps the blocks' kept samples, resp. their mesh, into the eye's z-buffer (which has the eye's size). Parallel; the
 /// result does not depend on the number of threads.

@@ -2,6 +2,7 @@
 revisit_test(revisit_refine_tests LABELS unit LINKS scene scene_project scene_refine TBB::tbb
     SOURCES
         scene/density_test.cpp
+        scene/footprint_test.cpp
         scene/known_scenes.cpp
         scene/preference_test.cpp
         scene/project/dropouts_test.cpp

@@ -67,7 +67,7 @@ Square warpSquare(TileDraw draw, uint number)
     return s;
 }
 
-void drawPixel(Square s, uint level, ivec2 offset)
+void drawPixel(Square s, uint levelAndClass, ivec2 offset)
 {
     Covered upper = cover(s.upper, s.topLeft, s.topRight, s.bottomLeft, vec2(offset));
     Covered lower = cover(s.lower, s.bottomRight, s.topRight, s.bottomLeft, vec2(offset));
@@ -77,13 +77,13 @@ void drawPixel(Square s, uint level, ivec2 offset)
     uint colour = mixColours(isLower ? s.colours[3] : s.colours[0], s.colours[1], s.colours[2],
                              isLower ? lower.ofB : upper.ofB, isLower ? lower.ofC : upper.ofC);
     ivec2 pixel = s.box.first + offset;
-    atomicMax(zBuffer[pixel.y * constants.width + pixel.x], packUint2x32(packKey(disparity, colour, level, kClassSeen)));
+    atomicMax(zBuffer[pixel.y * constants.width + pixel.x], packUint2x32(packKey(disparity, colour, levelAndClass)));
 }
 
 void main()
 {
     TileDraw draw = draws[constants.firstDraw + gl_WorkGroupID.x];
-    uint level = orderLevelOf(draw);
+    uint levelAndClass = levelAndClassOf(draw);
     for (uint start = 0u; start < draw.span.z; start += gl_WorkGroupSize.x) {
         uint number = start + gl_LocalInvocationID.x;
         bool isLarge = false;
@@ -94,7 +94,7 @@ void main()
             isLarge = pixels > kLargeSquare;
             ivec2 offset = ivec2(0);
             for (int i = isLarge ? pixels : 0; i < pixels; ++i) {
-                drawPixel(square, level, offset);
+                drawPixel(square, levelAndClass, offset);
                 offset.x += 1;
                 if (offset.x == extent.x) offset = ivec2(0, offset.y + 1);
             }
@@ -108,7 +108,7 @@ void main()
             Square square = warpSquare(draw, subgroupBroadcast(number, lane));
             int wide = square.box.last.x - square.box.first.x + 1;
             int pixels = wide * (square.box.last.y - square.box.first.y + 1);
-            for (int i = myPlace; i < pixels; i += lanes) drawPixel(square, level, ivec2(i % wide, i / wide));
+            for (int i = myPlace; i < pixels; i += lanes) drawPixel(square, levelAndClass, ivec2(i % wide, i / wide));
         }
     }
 }

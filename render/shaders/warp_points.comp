@@ -19,14 +19,14 @@ void main()
 {
     TileDraw draw = draws[constants.firstDraw + gl_WorkGroupID.x];
     int size = footprintOf(draw);
-    uint level = orderLevelOf(draw);
+    uint levelAndClass = levelAndClassOf(draw);
     float width = float(constants.width), height = float(constants.height);
     for (uint i = gl_LocalInvocationID.x; i < draw.span.z; i += gl_WorkGroupSize.x) {
         uvec2 vertex = texelFetch(vertices, int(draw.span.y + i)).xy;
         vec4 h = warpSample(draw, vertex.x);
         if (!isBeforeEye(h)) continue;
         vec3 seen = project(h);
-        uint64_t key = packUint2x32(packKey(seen.z, vertex.y, level, kClassSeen));
+        uint64_t key = packUint2x32(packKey(seen.z, vertex.y, levelAndClass));
         float left = firstOfFootprint(seen.x, size), top = firstOfFootprint(seen.y, size);
         if (size == 1) {
             // Comparing as floats first: far outside, the conversion to int is undefined.

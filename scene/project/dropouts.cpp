@@ -12,6 +12,17 @@ namespace scene {
 
 namespace {
 
+/// Weight of a sample so many pixels off, in one direction: the tent of bilinear support.
+float supportOf(int offset, int radius) {
+    return static_cast<float>(radius + 1 - std::abs(offset));
+}
+
+/// Euclidean, of 255 a channel.
+float differenceOf(const Rgb8& a, const Rgb8& b) {
+    const int r = a.r - b.r, g = a.g - b.g, blue = a.b - b.b;
+    return std::sqrt(static_cast<float>(r * r + g * g + blue * blue));
+}
+
 struct Neighbour {
     int dx, dy;
     float disparity, weight;
@@ -75,6 +86,37 @@ std::span<const Neighbour> heaviestCluster(const std::vector<Neighbour>& neighbo
     return std::span(neighbours).subspan(bestFirst, bestLast - bestFirst);
 }
 
+/// Sorted by disparity; the rest of the order makes sums the same on every machine.
+void sortByDisparity(std::vector<Neighbour>& neighbours) {
+    std::sort(neighbours.begin(), neighbours.end(), [](const Neighbour& a, const Neighbour& b) {
+        return std::array<float, 3>{a.disparity, static_cast<float>(a.dy), static_cast<float>(a.dx)} <
+               std::array<float, 3>{b.disparity, static_cast<float>(b.dy), static_cast<float>(b.dx)};
+    });
+}
+
+/// Disparity at the centre of the plane through the members of a cluster, sorted. On a plane the pixel may stand out
+/// from all members a little, as at the image's rim; noise gets no farther.
+float planeAtCentre(std::span<const Neighbour> members) {
+    PlaneSums plane;
+    for (const Neighbour& n : members)
+        plane.add(n);
+    const double least = members.front().disparity, most = members.back().disparity;
+    return static_cast<float>(std::clamp(plane.atCentre(), least - (most - least), most + (most - least)));
+}
+
+/// Puts new disparities (those over 0) into the image, their flags set by `flag`. Returns how many.
+template <class Flag>
+std::int64_t putInto(DepthImage& image, const Image<float>& filled, Flag flag) {
+    std::int64_t count = 0;
+    for (std::size_t i = 0; i < filled.size(); ++i) {
+        if (filled.pixels()[i] <= 0) continue;
+        image.disparity.pixels()[i] = filled.pixels()[i];
+        image.flags.pixels()[i] = flag(image.flags.pixels()[i]);
+        ++count;
+    }
+    return count;
+}
+
 } // namespace
 
 std::int64_t fillDropouts(DepthImage& image, const DropoutOptions& options) {
@@ -88,38 +130,47 @@ std::int64_t fillDropouts(DepthImage& image, const DropoutOptions& options) {
             for (int j = std::max(y - radius, 0); j <= std::min(y + radius, height - 1); ++j)
                 for (int i = std::max(x - radius, 0); i <= std::min(x + radius, width - 1); ++i) {
                     if (!isSurface(image.flags(i, j)) || image.disparity(i, j) <= 0) continue;
-                    const auto support = static_cast<float>(radius + 1);
-                    const float weight = (support - static_cast<float>(std::abs(i - x))) *
-                                         (support - static_cast<float>(std::abs(j - y)));
+                    const float weight = supportOf(i - x, radius) * supportOf(j - y, radius);
                     neighbours.push_back({i - x, j - y, image.disparity(i, j), weight});
                 }
             if (std::ssize(neighbours) < options.minSamples) continue;
-            std::sort(neighbours.begin(), neighbours.end(), [](const Neighbour& a, const Neighbour& b) {
-                return std::array<float, 3>{a.disparity, static_cast<float>(a.dy), static_cast<float>(a.dx)} <
-                       std::array<float, 3>{b.disparity, static_cast<float>(b.dy), static_cast<float>(b.dx)};
-            });
+            sortByDisparity(neighbours);
             const std::span<const Neighbour> cluster = heaviestCluster(neighbours, options.sameSurface);
             members.assign(cluster.begin(), cluster.end());
             if (std::ssize(members) < options.minSamples || !isSurrounded(members)) continue;
-            PlaneSums plane;
-            for (const Neighbour& n : members)
-                plane.add(n);
-            // On a plane the pixel may stand out from all members a little, as at the image's rim; noise gets no
-            // farther.
-            const double least = members.front().disparity, most = members.back().disparity;
-            filled(x, y) =
-                static_cast<float>(std::clamp(plane.atCentre(), least - (most - least), most + (most - least)));
+            filled(x, y) = planeAtCentre(members);
         }
     });
-    std::int64_t count = 0;
-    for (int y = 0; y < height; ++y)
+    return putInto(image, filled,
+                   [](std::uint8_t flags) { return static_cast<std::uint8_t>((flags & ~kNoSurface) | kInterpolated); });
+}
+
+std::int64_t guessRange(DepthImage& image, const GuessOptions& options) {
+    const int width = image.camera.width, height = image.camera.height, radius = options.radius;
+    if (radius <= 0) return 0;
+    Image<float> guessed(width, height, 0.f);
+    tbb::parallel_for(0, height, [&](int y) {
+        std::vector<Neighbour> neighbours;
         for (int x = 0; x < width; ++x) {
-            if (filled(x, y) <= 0) continue;
-            image.disparity(x, y) = filled(x, y);
-            image.flags(x, y) = static_cast<std::uint8_t>((image.flags(x, y) & ~kNoSurface) | kInterpolated);
-            ++count;
+            if ((image.flags(x, y) & kNoSurface) == 0) continue;
+            neighbours.clear();
+            for (int dy = -radius; dy <= radius; dy += options.step)
+                for (int dx = -radius; dx <= radius; dx += options.step) {
+                    const int i = x + dx, j = y + dy;
+                    if (i < 0 || j < 0 || i >= width || j >= height) continue;
+                    if (!isSurface(image.flags(i, j)) || image.disparity(i, j) <= 0) continue;
+                    const float likeness =
+                        std::exp(-differenceOf(image.colour(x, y), image.colour(i, j)) / options.colourStep);
+                    neighbours.push_back(
+                        {dx, dy, image.disparity(i, j), likeness * supportOf(dx, radius) * supportOf(dy, radius)});
+                }
+            if (std::ssize(neighbours) < options.minSamples) continue;
+            sortByDisparity(neighbours);
+            const std::span<const Neighbour> cluster = heaviestCluster(neighbours, options.sameSurface);
+            if (std::ssize(cluster) >= options.minSamples) guessed(x, y) = planeAtCentre(cluster);
         }
-    return count;
+    });
+    return putInto(image, guessed, [](std::uint8_t flags) { return static_cast<std::uint8_t>(flags | kInterpolated); });
 }
 
 } // namespace scene

@@ -18,4 +18,17 @@ struct DropoutOptions {
 /// many were filled.
 std::int64_t fillDropouts(DepthImage& image, const DropoutOptions& options = {});
 
+struct GuessOptions {
+    int radius = 16;           ///< of the window about a pixel, in pixels; 0: nothing is guessed
+    int step = 2;              ///< of the window's pixels every so many are looked at, in both directions
+    float colourStep = 25;     ///< a sample counts 1/e if its colour differs by so much (Euclidean, of 255 a channel)
+    float sameSurface = 0.03f; ///< relative difference of disparity within a cluster
+    int minSamples = 6;        ///< a cluster of fewer samples suggests nothing
+};
+
+/// Gives pixels that still have no range the one that the samples about them suggest, those of like colour most:
+/// black, shining and transparent things return no range, but the photograph shows how far they reach. They become
+/// guesses (isGuess), for other images to confirm or to refute (refine/skins.h). Returns how many.
+std::int64_t guessRange(DepthImage& image, const GuessOptions& options = {});
+
 } // namespace scene

@@ -29,18 +29,20 @@ std::vector<RankedTile> rateTiles(const DepthImage& image, std::uint32_t index, 
     for (int y0 = 0; y0 < image.camera.height; y0 += tileSize)
         for (int x0 = 0; x0 < image.camera.width; x0 += tileSize) {
             double sum = 0;
-            int samples = 0, doubtful = 0;
+            int samples = 0, guesses = 0, doubtful = 0;
             for (int y = y0; y < std::min(y0 + tileSize, image.camera.height); ++y)
                 for (int x = x0; x < std::min(x0 + tileSize, image.camera.width); ++x) {
                     const std::uint8_t flags = image.flags(x, y);
+                    guesses += isGuess(flags);
                     if (!isSurface(flags)) continue;
                     ++samples;
                     doubtful += (flags & (kSkinUpper | kSkinLower | kInterpolated | kNoColour)) != 0;
                     sum += std::sqrt(static_cast<double>(density(x, y)));
                 }
-            if (samples == 0) continue;
-            const double trust = 1.0 - 0.5 * doubtful / samples;
-            tiles.push_back({index, x0, y0, static_cast<float>(sum / samples * trust)});
+            if (samples + guesses == 0) continue;
+            const int count = std::max(samples, 1);
+            const double trust = 1.0 - 0.5 * doubtful / count;
+            tiles.push_back({index, x0, y0, static_cast<float>(sum / count * trust)});
         }
     return tiles;
 }
@@ -70,9 +72,10 @@ struct KeptPartner {
     float baseline; ///< metres between the two cameras
 };
 
-/// A sample in its own camera: place in the image, disparity, and the point.
+/// A sample in its own camera: place in the image, disparity, and how far away.
 struct Candidate {
     float x, y, disparity, range;
+    bool isGuess;
 };
 
 /// Whether the partner keeps this piece of surface and stands no farther away than maxBaseline times the range.
@@ -84,7 +87,12 @@ bool isCovered(const KeptPartner& partner, const Candidate& sample, float maxBas
     if (!(at.w > 0) || !(at.u >= 0) || !(at.v >= 0) || !(at.u < static_cast<float>(camera.width)) ||
         !(at.v < static_cast<float>(camera.height)))
         return false;
-    if ((*partner.kept)(static_cast<int>(at.u), static_cast<int>(at.v)) == Keep::no) return false;
+    const int x = static_cast<int>(at.u), y = static_cast<int>(at.v);
+    if ((*partner.kept)(x, y) == Keep::no) return false;
+    // A guess covers a guess; it never takes the place of what was measured.
+    if (isGuess(partner.image->flags(x, y)))
+        return sample.isGuess &&
+               std::abs(partner.image->disparity(x, y) - at.disparity) <= 2 * options.sameSurface * at.disparity;
     return compareWith(*partner.image, at, options).relation == Relation::agrees;
 }
 
@@ -120,15 +128,25 @@ class Keeper {
     std::vector<Image<Keep>> kept;
 
   private:
+    template <class Visit>
+    void forSamples(const RankedTile& tile, const DepthImage& image, Visit visit) const {
+        for (int y = tile.y0; y < std::min(tile.y0 + options_.tileSize, image.camera.height); ++y)
+            for (int x = tile.x0; x < std::min(tile.x0 + options_.tileSize, image.camera.width); ++x)
+                visit(x, y);
+    }
+
     std::int64_t keepTile(const RankedTile& tile, const DepthImage& image, const std::vector<KeptPartner>& before,
                           Keep tier, float maxBaseline) {
-        std::int64_t count = 0;
+        std::int64_t count = 0, taken = 0;
         std::size_t likely = 0; // the partner that covered the last sample most likely covers the next
         for (int y = tile.y0; y < std::min(tile.y0 + options_.tileSize, image.camera.height); ++y)
             for (int x = tile.x0; x < std::min(tile.x0 + options_.tileSize, image.camera.width); ++x) {
                 Keep& mine = kept[tile.image](x, y);
-                if (!isSurface(image.flags(x, y)) || mine != Keep::no) continue;
-                Candidate sample{static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f, image.disparity(x, y), 0};
+                const bool guess = isGuess(image.flags(x, y));
+                if (guess ? tier == Keep::base : !isSurface(image.flags(x, y))) continue;
+                if (mine != Keep::no) continue;
+                Candidate sample{static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f, image.disparity(x, y), 0,
+                                 guess};
                 sample.range = glm::length(glm::vec3(rayThrough(image.camera, x + 0.5, y + 0.5))) / sample.disparity;
                 const auto covers = [&](std::size_t p) {
                     return isCovered(before[p], sample, maxBaseline, options_.comparison);
@@ -138,8 +156,18 @@ class Keeper {
                     if (covers(p)) covered = true, likely = p;
                 if (covered) continue;
                 mine = tier;
-                ++count;
+                ++taken;
+                count += !guess;
             }
+        if (tier == Keep::directional &&
+            static_cast<float>(taken) <
+                options_.minPatchShare * static_cast<float>(options_.tileSize * options_.tileSize)) {
+            forSamples(tile, image, [&](int x, int y) {
+                Keep& mine = kept[tile.image](x, y);
+                if (mine == Keep::directional) mine = Keep::no;
+            });
+            return 0;
+        }
         return count;
     }
 
@@ -199,7 +227,10 @@ std::vector<Image<Keep>> findKept(ImageStore& images, const std::vector<std::vec
     }
     for (std::size_t i = 0; i < images.size(); ++i) {
         const ImageStore::Lease image = images.borrow(i);
-        figures.samples += std::count_if(image->flags.pixels().begin(), image->flags.pixels().end(), isSurface);
+        const auto flags = image->flags.pixels();
+        figures.samples += std::count_if(flags.begin(), flags.end(), isSurface);
+        for (std::size_t p = 0; p < flags.size(); ++p)
+            figures.guesses += isGuess(flags[p]) && keeper.kept[i].pixels()[p] != Keep::no;
     }
     return std::move(keeper.kept);
 }

@@ -22,12 +22,16 @@ struct RedundancyOptions {
     /// A surface is kept again, as a directional sample, where no kept sample shows it from nearby: from a camera no
     /// farther away than this share of the range (so the directions differ by at most as many radians). 0: never.
     float baselineShare = 0.07f;
+    /// A tile's directional samples are kept if they are more than this share of its area: smaller patches cost more to
+    /// draw than they show, and the base has their surface, too.
+    float minPatchShare = 0.125f;
     int tileSize = kDefaultTileSize;
     ComparisonOptions comparison;
 };
 
 struct RedundancyFigures {
-    std::int64_t samples = 0, base = 0, directional = 0;
+    std::int64_t samples = 0, base = 0, directional = 0; ///< all surfaces, and what is kept of them
+    std::int64_t guesses = 0;                            ///< kept, not counted above
 };
 
 /// What is kept of a sample's surface.

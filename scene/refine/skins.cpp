@@ -10,10 +10,10 @@ namespace scene {
 
 namespace {
 
-/// Disparity along a line of samples through (x, y); 0 outside the image and where there is no surface.
+/// Disparity at (x, y), guesses included; 0 outside the image and where there is no surface.
 float surfaceDisparity(const DepthImage& image, int x, int y) {
     if (x < 0 || y < 0 || x >= image.camera.width || y >= image.camera.height) return 0;
-    return isSurface(image.flags(x, y)) ? image.disparity(x, y) : 0;
+    return isDrawable(image.flags(x, y)) ? image.disparity(x, y) : 0;
 }
 
 /// Whether disparity jumps between (x, y) and (x + dx, y + dy): more than planarity, and more than the slopes to both
@@ -105,6 +105,19 @@ bool sawThrough(const DepthImage& partner, const Reprojection& into, const Depth
     return false;
 }
 
+/// A guess that others measured is a surface, one that they saw through is nothing.
+void judgeGuess(std::uint8_t& flags, bool isFloating, bool isMeasured, SkinFigures& figures) {
+    if (isFloating) {
+        flags = static_cast<std::uint8_t>(flags & ~kInterpolated);
+        ++figures.refuted;
+    } else if (isMeasured) {
+        flags = static_cast<std::uint8_t>(flags & ~kNoSurface);
+        ++figures.confirmed;
+    } else {
+        ++figures.guesses;
+    }
+}
+
 } // namespace
 
 Image<std::uint8_t> markPlanarSkins(const DepthImage& image, float planarity, SkinFigures& figures) {
@@ -162,9 +175,14 @@ Image<std::uint8_t> markSkins(ImageStore& images, std::size_t index, const std::
     for (int y = 0; y < image.camera.height; ++y)
         for (int x = 0; x < image.camera.width; ++x) {
             cut += ((flags(x, y) & kSkinUpper) != 0) + ((flags(x, y) & kSkinLower) != 0);
-            if (seenThrough(x, y) <= agreed(x, y)) continue;
-            flags(x, y) = static_cast<std::uint8_t>(flags(x, y) | kFloating);
-            ++figures.floating;
+            const bool isFloating = seenThrough(x, y) > agreed(x, y);
+            std::uint8_t& mine = flags(x, y);
+            if (isGuess(mine)) {
+                judgeGuess(mine, isFloating, agreed(x, y) > 0, figures);
+            } else if (isFloating) {
+                mine = static_cast<std::uint8_t>(mine | kFloating);
+                ++figures.floating;
+            }
         }
     figures.seenThrough = cut - figures.planarSkins;
     return flags;

@@ -14,7 +14,8 @@
 // The paper draws A into B through a z-buffer and repeats until a pass finds no skin, since one skin can hide another.
 // Whether B saw through a triangle does not depend on the other triangles, so each is asked by itself: one pass finds
 // what the repeated passes converge to, and those hidden behind true surfaces of A are behind B's surface too. The same
-// question asked of single samples finds those that float in space that others saw to be empty.
+// question asked of single samples finds those that float in space that others saw to be empty; asked of guesses of
+// range (isGuess) it makes those that another image measured surfaces, and those that others saw through nothing.
 
 #include "scene/image_store.h"
 #include "scene/refine/pairs.h"
@@ -33,12 +34,14 @@ struct SkinFigures {
     std::int64_t planarSkins = 0;            ///< triangles cut because disparity jumps
     std::int64_t seenThrough = 0;            ///< further triangles that another image saw through
     std::int64_t floating = 0;               ///< samples that more images saw through than agreed with
+    std::int64_t guesses = 0;                ///< guesses of range that no other image speaks for or against
+    std::int64_t confirmed = 0, refuted = 0; ///< guesses that others measured, resp. saw through
 };
 
 /// The image's flags with kSkinUpper, kSkinLower set by planarity alone.
 Image<std::uint8_t> markPlanarSkins(const DepthImage& image, float planarity, SkinFigures& figures);
 
-/// The flags of image `index` with skins of both kinds and floating samples marked.
+/// The flags of image `index` with skins of both kinds and floating samples marked and guesses judged.
 Image<std::uint8_t> markSkins(ImageStore& images, std::size_t index, const std::vector<Partner>& partners,
                               const SkinOptions& options, SkinFigures& figures);
 

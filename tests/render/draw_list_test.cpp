@@ -10,36 +10,6 @@
 namespace render {
 namespace {
 
-TEST(SampleWidth, IsWhatNeighbouringSamplesAreApart) {
-    const scene::Camera source = cameraOf(400, 300, 1.2), eye = cameraOf(640, 480, 1.5);
-    std::mt19937 random(1);
-    std::uniform_real_distribution<double> unit(-1, 1);
-    for (int i = 0; i < 200; ++i) {
-        const scene::View view{eye, poseAt({0.3 * unit(random), 0.3 * unit(random), 0.3 * unit(random)},
-                                           0.4 * unit(random), 0.4 * unit(random))};
-        const glm::dmat4 c = scene::eyeImageFromSourceImage(view, source, {});
-        const double x = 200 + 180 * unit(random), y = 150 + 140 * unit(random), d = 0.5 + 0.4 * unit(random);
-        const auto at = [&](double px, double py) {
-            const glm::dvec4 h = c * glm::dvec4(px, py, 1, d);
-            return glm::dvec2(h.x / h.z, h.y / h.z);
-        };
-        const glm::dvec2 across = (at(x + 1e-3, y) - at(x - 1e-3, y)) / 2e-3,
-                         down = (at(x, y + 1e-3) - at(x, y - 1e-3)) / 2e-3;
-        const double width = std::max(std::abs(across.x) + std::abs(down.x), std::abs(across.y) + std::abs(down.y));
-        EXPECT_NEAR(sampleWidthInEye(c, {x, y, d}, {x, y, d}) / width, 1, 1e-5);
-    }
-}
-
-TEST(SampleWidth, OfABoxIsTheLargestAndInfiniteBehindTheEye) {
-    const scene::Camera camera = cameraOf(100, 100, 1.5);
-    const glm::dmat4 same = scene::eyeImageFromSourceImage({camera, {}}, camera, {});
-    EXPECT_NEAR(sampleWidthInEye(same, {1, 1, 0}, {90, 90, 5}), 1, 1e-12);
-    // Half a metre nearer: what was 1 m away is twice as large.
-    const glm::dmat4 nearer = scene::eyeImageFromSourceImage({camera, {glm::dmat3(1.0), {0, 0, 0.5}}}, camera, {});
-    EXPECT_NEAR(sampleWidthInEye(nearer, {1, 1, 0.1}, {90, 90, 1}), 2, 1e-12);
-    EXPECT_TRUE(std::isinf(sampleWidthInEye(nearer, {1, 1, 0.1}, {90, 90, 2.5})));
-}
-
 struct Many {
     std::vector<ResidentTile> tiles;
     TileBounds bounds;

@@ -4,10 +4,13 @@
 #include "tests/render/test_device.h"
 #include "tests/render/test_scenes.h"
 
+#include <array>
 #include <random>
 
 namespace render {
 namespace {
+
+constexpr std::array<unsigned, 3> kTierFlags{0, scene::kDirectional, scene::kNoSurface | scene::kInterpolated};
 
 class OracleTest : public RenderTest {};
 
@@ -25,7 +28,8 @@ Difference compare(const EyeImage& device, const scene::EyeImage& processor) {
             if (here != there) ++difference.covered;
             if (!here || !there) continue;
             ++both;
-            if (device.colour(x, y) != processor.colour(x, y)) {
+            if (device.colour(x, y) != processor.colour(x, y) ||
+                device.pixelClass(x, y) != processor.pixelClass(x, y)) {
                 ++difference.colour;
                 continue; // another sample won
             }
@@ -38,38 +42,43 @@ Difference compare(const EyeImage& device, const scene::EyeImage& processor) {
     return difference;
 }
 
-/// The room from three places; half of what the second and third took stands in the directional tier.
-CutScene roomInTwoTiers() {
+/// The room from three places; a third of what the second and third took stands in the directional tier, a third are
+/// guesses.
+CutScene roomInAllTiers() {
     std::vector<scene::DepthImage> images;
     std::mt19937 random(5);
     for (const double x : {-0.3, 0.1, 0.35}) {
         scene::DepthImage image = takeRoom(cameraOf(200, 150, 1.4), poseAt({x, 0.1 * x, 0.2}, 0.4 * x, 0.05));
         if (!images.empty())
             for (std::uint8_t& flags : image.flags.pixels())
-                if (random() % 2 == 0) flags = static_cast<std::uint8_t>(flags | scene::kDirectional);
+                flags = static_cast<std::uint8_t>(flags | kTierFlags[random() % kTierFlags.size()]);
         images.push_back(std::move(image));
     }
     return cut(std::move(images));
 }
 
 TEST_F(OracleTest, PointsAreThoseOfTheProcessor) {
-    const CutScene room = roomInTwoTiers();
+    const CutScene room = roomInAllTiers();
     const auto blocks = room.blocks();
     const GpuScene scene(testDevice(), blocks);
-    for (const float nearBaseline : {0.f, 0.05f, 0.2f})
+    for (const auto& [nearBaseline, footprint] : {std::pair{0.f, 1}, {0.05f, 1}, {0.2f, 1}, {0.2f, 3}, {0.f, 8}})
         for (const double x : {-0.2, 0.1, 0.3}) {
             const scene::View eye{cameraOf(220, 160, 1.3), poseAt({x, 0.02, 0.15}, 0.3 * x, 0.1)};
             Quality quality;
-            quality.maxFootprint = 1;
+            quality.maxFootprint = footprint;
             quality.preference.nearBaseline = nearBaseline;
             scene::WarpOptions options;
+            options.maxFootprint = footprint;
             options.preference = quality.preference;
             scene::ZBuffer zBuffer(eye.camera.width, eye.camera.height, 0);
             scene::warpPoints(blocks, eye, options, zBuffer);
             const Difference difference = compare(drawOnce(scene, eye, quality), scene::resolve(zBuffer));
-            EXPECT_LE(difference.covered, 0.001) << "eye at " << x << ", near baseline " << nearBaseline;
-            EXPECT_LE(difference.colour, 0.001) << "eye at " << x << ", near baseline " << nearBaseline;
-            EXPECT_LE(difference.worstDepth, 1e-6) << "eye at " << x << ", near baseline " << nearBaseline;
+            EXPECT_LE(difference.covered, 0.001)
+                << "eye at " << x << ", near baseline " << nearBaseline << ", footprint " << footprint;
+            EXPECT_LE(difference.colour, 0.001)
+                << "eye at " << x << ", near baseline " << nearBaseline << ", footprint " << footprint;
+            EXPECT_LE(difference.worstDepth, 1e-6)
+                << "eye at " << x << ", near baseline " << nearBaseline << ", footprint " << footprint;
         }
 }
 

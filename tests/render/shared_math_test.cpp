@@ -67,23 +67,23 @@ TEST(Footprint, IsCentredOnThePosition) {
 
 TEST(ZKey, OrdersByDisparityAndKeepsColourAndClass) {
     const auto word = [](uvec2 key) { return std::uint64_t{key.y} << 32 | key.x; };
-    const std::uint64_t sky = word(packKey(0, 0, 0, kClassSeen)),
-                        far = word(packKey(0.01f, 0xffffff, 63, kClassUnseen)),
-                        near = word(packKey(100, 0, 0, kClassSeen));
+    const std::uint64_t sky = word(packKey(0, 0, kClassSeen)),
+                        far = word(packKey(0.01f, 0xffffff, 63 << 2 | kClassUnseen)),
+                        near = word(packKey(100, 0, kClassSeen));
     EXPECT_LT(0u, sky) << "sky stands before nothing";
     EXPECT_LT(sky, far);
     EXPECT_LT(far, near);
-    const uvec2 key = packKey(0.25f, 0xab123456u, 0, kClassSeen);
+    const uvec2 key = packKey(0.25f, 0xab123456u, kClassSeen);
     EXPECT_EQ(colourAndClassOf(key), 0x01123456u) << "flags do not leak into the class";
     EXPECT_EQ(depthOf(key), 4.0f);
     for (uint level = 0; level <= 63; ++level) {
         const float order = 0.25f / scene::orderScale(static_cast<int>(level));
-        const uvec2 pushed = packKey(order, 0x123456u, level, kClassSeen);
+        const uvec2 pushed = packKey(order, 0x123456u, level << 2 | kClassSeen);
         EXPECT_NEAR(depthOf(pushed), 4.0f, 1e-6f) << "level " << level << " is taken back";
         EXPECT_EQ(colourAndClassOf(pushed), 0x01123456u);
     }
     EXPECT_EQ(depthOf(uvec2(0, 0)), 0.0f);
-    EXPECT_TRUE(std::isinf(depthOf(packKey(0, 5, 0, kClassSeen))));
+    EXPECT_TRUE(std::isinf(depthOf(packKey(0, 5, kClassSeen))));
 }
 
 TEST(TriangleCover, AgreesWithBarycentricCoordinates) {

@@ -31,6 +31,8 @@ TEST(Preference, BaseTilesAreAlwaysDrawnAndDirectionalOnesOnlyFromNear) {
         const auto base = orderLevelOf(tileOf(camera, disparity, Tier::base), camera, worldFromCamera, eye, options);
         const auto directional =
             orderLevelOf(tileOf(camera, disparity, Tier::directional), camera, worldFromCamera, eye, options);
+        const auto guess = orderLevelOf(tileOf(camera, disparity, Tier::guess), camera, worldFromCamera, eye, options);
+        ASSERT_EQ(guess.has_value(), directional.has_value()) << "case " << i;
         ASSERT_TRUE(base.has_value()) << "case " << i;
         ASSERT_TRUE(*base >= 0 && *base <= kMaxOrderLevel) << "case " << i;
 
@@ -45,6 +47,7 @@ TEST(Preference, BaseTilesAreAlwaysDrawnAndDirectionalOnesOnlyFromNear) {
         if (share < 1) {
             ++near;
             EXPECT_EQ(*base, *directional) << "near tiles of both tiers are equals";
+            EXPECT_EQ(*guess, std::min(*base + options.guessLevels, kMaxOrderLevel)) << "what was measured comes first";
             EXPECT_NEAR(*base, share * options.nearLevels, 0.5 + 1e-6) << "case " << i;
         } else {
             ++away;

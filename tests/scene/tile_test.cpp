@@ -19,12 +19,12 @@ using Place = std::pair<int, int>;
 using Triangle = std::array<Place, 3>;
 
 bool isKept(std::uint8_t flags) {
-    return isSurface(flags) && (flags & kRedundant) == 0;
+    return isDrawable(flags) && (flags & kRedundant) == 0;
 }
 
 /// What a random image is made of; shares of samples, from 0 to 1.
 struct Content {
-    double absent = 0.2, floating = 0.05, redundant = 0.2, skins = 0.2;
+    double absent = 0.2, floating = 0.05, redundant = 0.2, skins = 0.2, interpolated = 0.1;
 };
 
 /// Samples that are not there have a disparity nobody may touch.
@@ -45,13 +45,13 @@ DepthImage drawImage(int width, int height, unsigned seed, const Content& conten
             if (happens(content.redundant)) flags |= kRedundant;
             if (happens(content.skins)) flags |= kSkinUpper;
             if (happens(content.skins)) flags |= kSkinLower;
-            if (happens(0.1)) flags |= kInterpolated;
+            if (happens(content.interpolated)) flags |= kInterpolated;
             image.flags(x, y) = static_cast<std::uint8_t>(flags);
             const auto channel = [&] { return static_cast<std::uint8_t>(random.integerBetween(0, 255)); };
             const std::uint8_t r = channel(), g = channel(), b = channel();
             image.colour(x, y) = {r, g, b};
             const double disparity = happens(0.1) ? 0.0 : std::exp(random.between(-8, 5));
-            if (isSurface(image.flags(x, y))) image.disparity(x, y) = static_cast<float>(disparity);
+            if (isDrawable(image.flags(x, y))) image.disparity(x, y) = static_cast<float>(disparity);
         }
     return image;
 }
@@ -62,7 +62,7 @@ std::multiset<Triangle> trianglesOf(const DepthImage& image) {
     const auto add = [&](const Triangle& triangle) {
         bool anyKept = false;
         for (const auto& [x, y] : triangle) {
-            if (!isSurface(image.flags(x, y))) return;
+            if (!isDrawable(image.flags(x, y))) return;
             anyKept = anyKept || isKept(image.flags(x, y));
         }
         if (anyKept) triangles.insert(triangle);
@@ -127,6 +127,29 @@ void expectEveryKeptSampleOnce(const DepthImage& image, const TileSet& set) {
     EXPECT_EQ(points, kept);
 }
 
+/// Guesses, and triangles with a guess among their samples, stand in guess tiles and nowhere else.
+void expectGuessesByThemselves(const DepthImage& image, const TileSet& set) {
+    for (const Tile& tile : set.tiles) {
+        const auto isGuessAt = [&](std::uint32_t index) {
+            const auto [x, y] = placeInImage(tile, set.vertices[tile.firstVertex + index]);
+            return isGuess(image.flags(x, y));
+        };
+        const bool isOfGuesses = tile.tier == Tier::guess;
+        for (std::uint32_t i = 0; i < tile.pointCount; ++i)
+            EXPECT_EQ(isGuessAt(i), isOfGuesses);
+        for (std::uint32_t i = 0; i < tile.quadCount; ++i) {
+            const TileQuad& quad = set.quads[tile.firstQuad + i];
+            const bool middle = isGuessAt(quad.top >> 16 & kQuadIndexMask) || isGuessAt(quad.bottom & kQuadIndexMask);
+            if ((quad.top & kDrawUpper) != 0) {
+                EXPECT_EQ(middle || isGuessAt(quad.top & kQuadIndexMask), isOfGuesses);
+            }
+            if ((quad.bottom & kDrawLower) != 0) {
+                EXPECT_EQ(middle || isGuessAt(quad.bottom >> 16 & kQuadIndexMask), isOfGuesses);
+            }
+        }
+    }
+}
+
 /// Border: surfaces that a drawn triangle of this tile needs, none of them twice.
 void expectBorderIsNeeded(const DepthImage& image, const TileSet& set) {
     for (const Tile& tile : set.tiles) {
@@ -143,7 +166,7 @@ void expectBorderIsNeeded(const DepthImage& image, const TileSet& set) {
             EXPECT_TRUE(places.insert(place).second);
             EXPECT_TRUE(place.first <= tile.x0 + tile.width && place.second <= tile.y0 + tile.height);
             ASSERT_TRUE(place.first < image.camera.width && place.second < image.camera.height);
-            EXPECT_TRUE(isSurface(image.flags(place.first, place.second)));
+            EXPECT_TRUE(isDrawable(image.flags(place.first, place.second)));
             if (i >= tile.pointCount) {
                 EXPECT_TRUE(used.contains(i));
             }
@@ -180,6 +203,7 @@ void expectCutRight(const DepthImage& image, int tileSize) {
     const TileSet set = cutIntoTiles(image, tileSize);
     expectTilesFollowEachOther(set);
     expectEveryKeptSampleOnce(image, set);
+    expectGuessesByThemselves(image, set);
     expectBorderIsNeeded(image, set);
     expectSamplesAreTrue(image, set);
     EXPECT_EQ(trianglesOf(set), trianglesOf(image));
@@ -203,7 +227,7 @@ TEST_P(CutIntoTiles, FullImages) {
 }
 
 TEST_P(CutIntoTiles, NothingLeftOfRedundantOrAbsentImages) {
-    for (const Content& content : {Content{0, 0, 1, 0}, Content{1, 0, 0, 0}, Content{0, 1, 0, 0}}) {
+    for (const Content& content : {Content{0, 0, 1, 0}, Content{1, 0, 0, 0, 0}, Content{0, 1, 0, 0}}) {
         const TileSet set = cutIntoTiles(drawImage(70, 70, 21, content), GetParam());
         EXPECT_TRUE(set.tiles.empty());
         EXPECT_TRUE(set.vertices.empty());

@@ -1,5 +1,6 @@
 // The points' vectors against one sample at a time, bit by bit, with every instruction set that the processor has.
 
+#include "scene/footprint.h"
 #include "scene/warp.h"
 
 #include <algorithm>
@@ -22,7 +23,8 @@ void warpOneByOne(std::span<const TileBlock> blocks, const View& eye, const Warp
         for (const Tile& tile : block.tiles) {
             const auto level = orderLevelOf(tile, block.camera, block.worldFromCamera, eye, options.preference);
             if (!level) continue;
-            const int side = footprintOf(tile, c, options);
+            const int side = footprintOf(c, boxOf(tile, block.camera), static_cast<double>(options.footprintScale),
+                                         options.maxFootprint);
             const float half = 0.5f * static_cast<float>(side - 1);
             const double perScale = 1.0 / static_cast<double>(orderScale(*level));
             const double step = (static_cast<double>(tile.maxDisparity) - tile.minDisparity) / kMaxQuantisedDisparity;

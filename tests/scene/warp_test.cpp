@@ -1,3 +1,4 @@
+#include "scene/footprint.h"
 #include "scene/warp.h"
 
 #include "tests/scene/known_scenes.h"
@@ -278,7 +279,7 @@ TEST(WarpPoints, FootprintCoversWhatTheSampleCovers) {
     for (const auto& [z, side] : {std::pair{0.0, 1}, {1.0, 2}, {1.4, 4}, {1.7, 7}, {1.95, 8}}) {
         const View eye{camera, {glm::dmat3(1.0), {0, 0, z}}};
         const TileSet set = cutIntoTiles(wall);
-        EXPECT_EQ(footprintOf(set.tiles[7], eyeImageFromSourceImage(eye, camera, {}), options), side)
+        EXPECT_EQ(footprintOf(eyeImageFromSourceImage(eye, camera, {}), boxOf(set.tiles[7], camera), 1, 8), side)
             << "from z = " << z;
         const EyeImage seen = warpOne(Way::points, wall, eye, options);
         if (side == 8) continue; // the most that was allowed does not cover

@@ -36,11 +36,11 @@ static_assert(sizeof(WarpConstants) == 12);
 static_assert(sizeof(ResolveConstants) == 4);
 #endif
 
-/// What a draw's samples have in common, in span.w: order level and footprint.
-SHARED_FUNCTION uint packMark(uint orderLevel, uint footprint) {
-    return (orderLevel << 16) | footprint;
+/// What a draw's samples have in common, in span.w: order level, class (both as in a key) and footprint.
+SHARED_FUNCTION uint packMark(uint orderLevel, uint pixelClass, uint footprint) {
+    return (orderLevel << 18) | (pixelClass << 16) | footprint;
 }
-SHARED_FUNCTION uint orderLevelOf(TileDraw draw) {
+SHARED_FUNCTION uint levelAndClassOf(TileDraw draw) {
     return draw.span.w >> 16;
 }
 SHARED_FUNCTION int footprintOf(TileDraw draw) {

@@ -19,9 +19,9 @@ SHARED_CONSTANT uint kClassSeen = 1u;
 SHARED_CONSTANT uint kClassFilled = 2u;
 SHARED_CONSTANT uint kClassUnseen = 3u;
 
-/// colour: r | g << 8 | b << 16; what stands above is dropped.
-SHARED_FUNCTION uvec2 packKey(float orderDisparity, uint colour, uint orderLevel, uint pixelClass) {
-    return uvec2((colour << 8) | (orderLevel << 2) | pixelClass, floatBitsToUint(orderDisparity));
+/// colour: r | g << 8 | b << 16; what stands above is dropped. levelAndClass: order level << 2 | class.
+SHARED_FUNCTION uvec2 packKey(float orderDisparity, uint colour, uint levelAndClass) {
+    return uvec2((colour << 8) | levelAndClass, floatBitsToUint(orderDisparity));
 }
 
 /// r | g << 8 | b << 16 | class << 24: what resolve writes.

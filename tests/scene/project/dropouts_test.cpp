@@ -106,6 +106,45 @@ TEST(Dropouts, AreNotExtrapolated) {
     EXPECT_EQ(image.flags(30, 40), kInterpolated) << "its corner";
 }
 
+/// Two walls, white before blue; a blot of each colour lost its range at their border.
+TEST(Guesses, FollowTheColourToTheRightSurface) {
+    const Camera camera = smallCamera();
+    const auto near = [&](double x, double y) { return planeDisparity(camera, {0.3, 0.1, -1}, -1.0, x, y); };
+    const auto far = [&](double x, double y) { return planeDisparity(camera, {-0.2, 0, -1}, -2.0, x, y); };
+    DepthImage image = imageOf(camera, {}, [&](double x, double y) { return x < 80 ? near(x, y) : far(x, y); });
+    for (int y = 0; y < 120; ++y)
+        for (int x = 0; x < 160; ++x) {
+            image.colour(x, y) = x < 80 ? Rgb8{240, 240, 240} : Rgb8{20, 30, 90};
+            if (std::hypot(x - 80, y - 60) < 10) image.flags(x, y) = kNoSurface, image.disparity(x, y) = 0;
+        }
+    const DepthImage before = image;
+    const std::int64_t guesses = guessRange(image);
+    std::int64_t found = 0;
+    for (int y = 0; y < 120; ++y)
+        for (int x = 0; x < 160; ++x) {
+            if (before.flags(x, y) == 0) {
+                ASSERT_EQ(image.flags(x, y), 0);
+                ASSERT_EQ(image.disparity(x, y), before.disparity(x, y)) << "measured, at " << x << ", " << y;
+                continue;
+            }
+            ASSERT_TRUE(isGuess(image.flags(x, y))) << "at " << x << ", " << y;
+            ++found;
+            const double truth = x < 80 ? near(x + 0.5, y + 0.5) : far(x + 0.5, y + 0.5);
+            ASSERT_NEAR(image.disparity(x, y), truth, 0.01 * truth) << "at " << x << ", " << y;
+        }
+    EXPECT_EQ(guesses, found);
+    EXPECT_GT(found, 250);
+
+    DepthImage empty = imageOf(camera, {}, near);
+    for (auto& flags : empty.flags.pixels())
+        flags = kNoSurface;
+    EXPECT_EQ(guessRange(empty), 0);
+    GuessOptions never;
+    never.radius = 0;
+    image = before;
+    EXPECT_EQ(guessRange(image, never), 0);
+}
+
 TEST(Dropouts, NeedEnoughSamplesAndSurvivesEmptyAndTinyImages) {
     DepthImage image = imageOf({20, 20, 20, 20, 10, 10}, {}, [](double, double) { return 0.5; });
     for (auto& flags : image.flags.pixels())

@@ -115,6 +115,7 @@ TEST(Redundancy, ShowsEverySurfaceFromNearEveryCameraThatSawIt) {
     ImageStore store(images);
     RedundancyOptions options;
     options.baselineShare = 0.8f;
+    options.minPatchShare = 0;
     const auto [kept, figures] = keepOf(store, options);
     EXPECT_LT(figures.directional, figures.samples - figures.base) << "all that is not base is kept for its looks";
     forSamples(images, [&](std::size_t i, int x, int y) {
@@ -129,6 +130,59 @@ TEST(Redundancy, ShowsEverySurfaceFromNearEveryCameraThatSawIt) {
                                     }))
             << at(i, x, y) << ": dropped, and no camera near it keeps that surface";
     });
+}
+
+TEST(Redundancy, SmallDirectionalPatchesAreLeftToTheBase) {
+    const std::vector<DepthImage> images = imagesOfBareRoom(kViews);
+    ImageStore store(images);
+    RedundancyOptions options;
+    options.baselineShare = 0.8f;
+    options.minPatchShare = 0;
+    const auto [all, allFigures] = keepOf(store, options);
+    options.minPatchShare = 0.25f;
+    const auto [kept, figures] = keepOf(store, options);
+    EXPECT_EQ(figures.base, allFigures.base);
+    EXPECT_LT(figures.directional, allFigures.directional);
+    const int size = options.tileSize;
+    for (std::size_t i = 0; i < images.size(); ++i)
+        for (int y0 = 0; y0 < images[i].camera.height; y0 += size)
+            for (int x0 = 0; x0 < images[i].camera.width; x0 += size) {
+                int patch = 0;
+                for (int y = y0; y < std::min(y0 + size, images[i].camera.height); ++y)
+                    for (int x = x0; x < std::min(x0 + size, images[i].camera.width); ++x)
+                        patch += kept[i](x, y) == Keep::directional;
+                EXPECT_TRUE(patch == 0 || patch >= size * size / 4) << patch << " samples, " << at(i, x0, y0);
+            }
+}
+
+/// The first image's left half lost its range, rightly guessed; nobody else looks there.
+TEST(Redundancy, OpenGuessesAreKeptOnceAndNeverForWhatWasMeasured) {
+    std::vector<DepthImage> images = imagesOfBareRoom(1);
+    for (int y = 0; y < 120; ++y)
+        for (int x = 0; x < 80; ++x)
+            images[0].flags(x, y) = kNoSurface | kInterpolated;
+    images.push_back(images[0]); // the same guesses again
+    images.push_back(imagesOfBareRoom(1)[0]);
+    for (int y = 0; y < 120; ++y)
+        for (int x = 40; x < 120; ++x)
+            images[2].flags(x, y) = kNoSurface; // measured in the left quarter, and enough to be a partner
+    ImageStore store(images);
+    const auto [kept, figures] = keepOf(store, {});
+    EXPECT_EQ(figures.samples, 2 * 80 * 120 + 2 * 40 * 120);
+    EXPECT_EQ(figures.base, 120 * 120);
+    int guesses = 0;
+    for (int y = 0; y < 120; ++y)
+        for (int x = 0; x < 80; ++x) {
+            const int mine = (kept[0](x, y) != Keep::no) + (kept[1](x, y) != Keep::no);
+            if (x < 39) {
+                EXPECT_EQ(mine, 0) << "measured by another, at " << x << ", " << y;
+            }
+            if (x > 41) {
+                EXPECT_EQ(mine, 1) << "at " << x << ", " << y;
+            }
+            guesses += mine;
+        }
+    EXPECT_EQ(figures.guesses, guesses);
 }
 
 TEST(Redundancy, KeepsOneOfTwoEqualImages) {

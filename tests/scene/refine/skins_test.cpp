@@ -256,6 +256,44 @@ TEST(FloatingSamples, AreFoundAndTrueOnesAreNot) {
     EXPECT_GE(found, 300 - hidden - 6) << "an outlier may by chance lie on some other surface";
 }
 
+TEST(Guesses, ThatOthersMeasuredAreSurfacesAndThatOthersSawThroughAreNothing) {
+    std::vector<DepthImage> images = imagesOfBareRoom(8);
+    const DepthImage truth = images[0];
+    // Columns of guesses, by turns right, too near, and of one image alone.
+    for (int y = 0; y < 120; ++y)
+        for (int x = 0; x < 160; x += 8) {
+            images[0].flags(x, y) = kNoSurface | kInterpolated;
+            if (x % 16 == 8) images[0].disparity(x, y) *= 1.5f;
+        }
+    ImageStore store(images);
+    SkinFigures figures;
+    const Image<std::uint8_t> flags = markSkins(store, 0, everyOther(8, 0), {}, figures);
+    int right = 0, wrong = 0, rightRefuted = 0, wrongConfirmed = 0;
+    for (int y = 0; y < 120; ++y)
+        for (int x = 0; x < 160; x += 8) {
+            const bool isConfirmed = isSurface(flags(x, y)), isRefuted = !isDrawable(flags(x, y));
+            if (x % 16 == 8)
+                wrong += isRefuted, wrongConfirmed += isConfirmed;
+            else
+                right += isConfirmed, rightRefuted += isRefuted;
+            if (isConfirmed) {
+                EXPECT_NE(flags(x, y) & kInterpolated, 0) << "its range still is not its own";
+            }
+        }
+    EXPECT_EQ(figures.confirmed, right + wrongConfirmed);
+    EXPECT_EQ(figures.refuted, wrong + rightRefuted);
+    EXPECT_EQ(figures.guesses, 20 * 120 - figures.confirmed - figures.refuted);
+    EXPECT_GT(right, 600);
+    EXPECT_GT(wrong, 600);
+    EXPECT_LE(rightRefuted, 2);
+    EXPECT_LE(wrongConfirmed, 20) << "by chance on another surface";
+
+    ImageStore alone(std::vector<DepthImage>{images[0]});
+    const Image<std::uint8_t> open = markSkins(alone, 0, {}, {}, figures);
+    for (int y = 0; y < 120; ++y)
+        EXPECT_TRUE(isGuess(open(0, y)) && isGuess(open(8, y))) << "nobody speaks against it";
+}
+
 TEST(Skins, AreTheSameBytesOnOneThreadAndOnTwoAndWithAnEmptyImageAmongThePartners) {
     std::vector<DepthImage> images = imagesOfBareRoom(4);
     for (auto& flags : images[3].flags.pixels())

@@ -1,0 +1,40 @@
+#include "scene/footprint.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace scene {
+
+SampleBox boxOf(const Tile& tile, const Camera& camera) {
+    // The border stands one sample outside the tile, but never outside the image.
+    const int right = std::min(tile.x0 + tile.width, camera.width - 1);
+    const int bottom = std::min(tile.y0 + tile.height, camera.height - 1);
+    return {{tile.x0 + 0.5, tile.y0 + 0.5, static_cast<double>(tile.minDisparity)},
+            {right + 0.5, bottom + 0.5, static_cast<double>(tile.maxDisparity)}};
+}
+
+double sampleWidthInEye(const glm::dmat4& c, const SampleBox& box) {
+    const glm::dvec3 cx(c[0]), cy(c[1]), c1(c[2]), cd(c[3]);
+    double widest = 0;
+    for (const double d : {box.least.z, box.most.z})
+        for (const double y : {box.least.y, box.most.y})
+            for (const double x : {box.least.x, box.most.x}) {
+                const glm::dvec3 h = x * cx + y * cy + c1 + d * cd; // (u w, v w, w)
+                if (h.z <= 0) return std::numeric_limits<double>::infinity();
+                const double u = h.x / h.z, v = h.y / h.z;
+                const double across = std::abs(cx.x - u * cx.z) + std::abs(cy.x - u * cy.z);
+                const double down = std::abs(cx.y - v * cx.z) + std::abs(cy.y - v * cy.z);
+                widest = std::max(widest, std::max(across, down) / h.z);
+            }
+    return widest;
+}
+
+int footprintOf(const glm::dmat4& c, const SampleBox& box, double scale, int maxFootprint) {
+    if (maxFootprint <= 1) return 1;
+    // A hundredth of a pixel of slack: what is as dense as the screen stays one pixel wide in spite of rounding.
+    const double side = std::ceil(scale * sampleWidthInEye(c, box) - 0.01);
+    return static_cast<int>(std::clamp(side, 1.0, static_cast<double>(maxFootprint)));
+}
+
+} // namespace scene
