@@ -3,20 +3,20 @@
 #include "render/shaders/shared/z_key.h"
 #include "scene/footprint.h"
 
+#include <glm/geometric.hpp>
 #include <tbb/blocked_range.h>
+
 #include <tbb/parallel_for.h>
 
-#include <algorithm>
-#include <bit>
-#include <cassert>
-#include <cmath>
+#include <limits>
 
 namespace render {
 
 namespace {
 
-constexpr std::uint64_t kTileBits = 26, kNearnessBits = 24;
 constexpr std::size_t kDrawsPerTask = 512;
+
+constexpr double kAnywhere = std::numeric_limits<double>::infinity();
 
 std::uint32_t itemsOf(const ResidentTile& tile, Warp warp) {
     return warp == Warp::points ? tile.pointCount : tile.quadCount;
@@ -24,22 +24,6 @@ std::uint32_t itemsOf(const ResidentTile& tile, Warp warp) {
 
 uint classOf(const ResidentTile& tile) {
     return tile.middle.tier == scene::Tier::guess ? kClassFilled : kClassSeen;
-}
-
-/// Sorts by page, then near to far, then by number, so that no two are equal.
-std::uint64_t orderOf(const glm::dmat4& c, const ResidentTile& tile, const TileBounds& bounds, std::uint32_t number) {
-    const double x = (static_cast<double>(bounds.xMin[number]) + bounds.xMax[number]) / 2;
-    const double y = (static_cast<double>(bounds.yMin[number]) + bounds.yMax[number]) / 2;
-    const double d = (static_cast<double>(tile.minDisparity) + tile.maxDisparity) / 2;
-    const double w = c[0][2] * x + c[1][2] * y + c[2][2] + c[3][2] * d;
-    const float nearness = w > 0 ? static_cast<float>(std::min(d / w, 1e30)) : 1e30f;
-    const std::uint64_t farFirst = std::bit_cast<std::uint32_t>(std::max(nearness, 0.0f)) >> (32 - kNearnessBits);
-    const std::uint64_t nearFirst = ((std::uint64_t{1} << kNearnessBits) - 1) - farFirst;
-    return ((std::uint64_t{tile.page} << kNearnessBits | nearFirst) << kTileBits) | number;
-}
-
-std::uint32_t tileIn(std::uint64_t order) {
-    return static_cast<std::uint32_t>(order & ((std::uint64_t{1} << kTileBits) - 1));
 }
 
 std::uint32_t footprintOf(const glm::dmat4& c, const TileBounds& bounds, std::uint32_t i, const Quality& quality) {
@@ -69,38 +53,51 @@ TileDraw tileDrawOf(const glm::dmat4& c, const ResidentTile& tile, int orderLeve
 void buildDrawList(std::span<const ResidentTile> tiles, const TileBounds& bounds, std::span<const TilePiece> pieces,
                    std::span<const glm::dmat4> eyeImagesFromSources, std::span<const glm::dvec3> eyeFromCameras,
                    const VisibleTiles& visible, const Quality& quality, std::span<TileDraw> draws, DrawList& list) {
-    assert(tiles.size() < (std::size_t{1} << kTileBits));
-    list.order.clear();
+    // Every piece chooses in its own part of the scratch arrays; then the parts are put together in order.
+    list.numbers.resize(tiles.size());
     list.levels.resize(tiles.size());
-    for (std::size_t p = 0; p < pieces.size(); ++p)
+    list.counts.assign(pieces.size(), 0);
+    tbb::parallel_for(std::size_t{0}, pieces.size(), [&](std::size_t p) {
+        const TilePiece& piece = pieces[p];
+        const glm::dvec3& eyeFromCamera = eyeFromCameras[piece.image];
+        if (piece.reachMetres < kAnywhere &&
+            !scene::mayBeNear(glm::length(eyeFromCamera), piece.reachMetres, quality.preference))
+            return;
         for (std::uint32_t i = 0; i < visible.counts[p]; ++i) {
-            const std::uint32_t number = visible.slots[pieces[p].first + i];
+            const std::uint32_t number = visible.slots[piece.first + i];
             const ResidentTile& tile = tiles[number];
             if (itemsOf(tile, quality.warp) == 0) continue;
-            const auto level = scene::orderLevelOf(tile.middle, eyeFromCameras[tile.image], quality.preference);
+            const auto level = scene::orderLevelOf(tile.middle, eyeFromCamera, quality.preference);
             if (!level) continue;
-            list.levels[number] = static_cast<std::uint8_t>(*level);
-            list.order.push_back(orderOf(eyeImagesFromSources[tile.image], tile, bounds, number));
+            const std::uint32_t place = piece.first + list.counts[p]++;
+            list.numbers[place] = number;
+            list.levels[place] = static_cast<std::uint8_t>(*level);
         }
-    std::sort(list.order.begin(), list.order.end());
+    });
 
     list.runs.clear();
     list.items = 0;
-    list.tiles = static_cast<std::uint32_t>(list.order.size());
-    for (std::uint32_t i = 0; i < list.tiles; ++i) {
-        const ResidentTile& tile = tiles[tileIn(list.order[i])];
-        if (list.runs.empty() || list.runs.back().page != tile.page) list.runs.push_back({tile.page, i, 0});
-        ++list.runs.back().count;
-        list.items += itemsOf(tile, quality.warp);
-    }
+    list.tiles = 0;
+    for (std::size_t p = 0; p < pieces.size(); ++p)
+        for (std::uint32_t i = 0; i < list.counts[p]; ++i) {
+            const std::uint32_t place = pieces[p].first + i, number = list.numbers[place];
+            const ResidentTile& tile = tiles[number];
+            if (list.runs.empty() || list.runs.back().page != tile.page)
+                list.runs.push_back({tile.page, list.tiles, 0});
+            ++list.runs.back().count;
+            list.items += itemsOf(tile, quality.warp);
+            list.numbers[list.tiles] = number;
+            list.levels[list.tiles] = list.levels[place];
+            ++list.tiles;
+        }
 
-    const tbb::blocked_range<std::size_t> all(0, list.order.size(), kDrawsPerTask);
+    const tbb::blocked_range<std::size_t> all(0, list.tiles, kDrawsPerTask);
     tbb::parallel_for(all, [&](const tbb::blocked_range<std::size_t>& range) {
         for (std::size_t i = range.begin(); i < range.end(); ++i) {
-            const std::uint32_t number = tileIn(list.order[i]);
+            const std::uint32_t number = list.numbers[i];
             const ResidentTile& tile = tiles[number];
             const glm::dmat4& c = eyeImagesFromSources[tile.image];
-            const int level = list.levels[number];
+            const int level = list.levels[i];
             TileDraw draw = tileDrawOf(c, tile, level);
             draw.span.z = itemsOf(tile, quality.warp);
             draw.span.y = quality.warp == Warp::points ? tile.firstVertex : tile.firstQuad;

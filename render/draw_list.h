@@ -1,6 +1,6 @@
 #pragma once
-// The visible tiles of one eye in the order they are drawn, each with its own warp: page by page, near to
-// far, so that what is hidden mostly fails the depth test at once.
+// The visible tiles of one eye, each with its own warp, in the order in which they lie in memory, page by page: the
+// z-buffer makes no difference between orders.
 
 #include "render/gpu_scene.h"
 #include "render/quality.h"
@@ -20,9 +20,11 @@ struct DrawRun {
 struct DrawList {
     std::vector<DrawRun> runs;
     std::uint32_t tiles = 0;
-    std::uint64_t items = 0;          ///< samples (points) or mesh squares
-    std::vector<std::uint64_t> order; ///< scratch, kept from frame to frame
-    std::vector<std::uint8_t> levels; ///< scratch: order level by the tile's number
+    std::uint64_t items = 0; ///< samples (points) or mesh squares
+    /// Scratch, kept from frame to frame: the tiles to draw, their order levels, how many of each piece.
+    std::vector<std::uint32_t> numbers;
+    std::vector<std::uint8_t> levels;
+    std::vector<std::uint32_t> counts;
 };
 
 /// What the warp of this tile needs, at an order level (scene/preference.h). C is multiplied out in double precision

@@ -57,12 +57,23 @@ void GpuScene::layOut(std::span<const scene::TileBlock> blocks, std::size_t page
             vertices += tile.vertexCount, quads += tile.quadCount;
         }
         images_.push_back({block.camera, block.worldFromCamera, bounds_.extentOf(firstTile, block.tiles.size())});
-        for (std::size_t first = firstTile; first < tiles_.size(); first += kTilesPerPiece)
-            pieces_.push_back(
-                {image, static_cast<std::uint32_t>(first),
-                 static_cast<std::uint32_t>(std::min<std::size_t>(kTilesPerPiece, tiles_.size() - first))});
+        for (std::size_t first = firstTile; first < tiles_.size(); first += pieces_.back().count)
+            pieces_.push_back(pieceFrom(first));
     }
     pages_.resize(tiles_.empty() ? 0 : page + 1);
+}
+
+TilePiece GpuScene::pieceFrom(std::size_t first) const {
+    const auto isBase = [](const ResidentTile& tile) { return tile.middle.tier == scene::Tier::base; };
+    TilePiece piece{tiles_[first].image, static_cast<std::uint32_t>(first), 0};
+    const bool wantsBase = isBase(tiles_[first]);
+    double reach = 0;
+    for (std::size_t i = first; i < tiles_.size() && piece.count < kTilesPerPiece; ++i, ++piece.count) {
+        if (isBase(tiles_[i]) != wantsBase) break;
+        reach = std::max(reach, scene::reachOf(tiles_[i].middle));
+    }
+    if (!wantsBase) piece.reachMetres = reach;
+    return piece;
 }
 
 void GpuScene::upload(const Device& device, std::span<const scene::TileBlock> blocks) {

@@ -43,7 +43,7 @@ class GpuScene {
     std::span<const ResidentImage> images() const { return images_; }
     std::span<const ResidentTile> tiles() const { return tiles_; }
     const TileBounds& bounds() const { return bounds_; }
-    /// All tiles once, in order; a piece never crosses an image.
+    /// All tiles once, in order; a piece never crosses an image, nor holds both base tiles and others.
     std::span<const TilePiece> pieces() const { return pieces_; }
 
     std::size_t pageCount() const { return pages_.size(); }
@@ -59,6 +59,7 @@ class GpuScene {
         BufferView vertexView, quadView;
         VkDescriptorSet set = VK_NULL_HANDLE;
     };
+    TilePiece pieceFrom(std::size_t first) const; ///< up to the last tile there is
     void layOut(std::span<const scene::TileBlock> blocks, std::size_t pageBytes);
     void upload(const Device& device, std::span<const scene::TileBlock> blocks);
 

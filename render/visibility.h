@@ -14,6 +14,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -36,6 +37,9 @@ struct TileBounds {
 /// Tiles of one image that are tested together.
 struct TilePiece {
     std::uint32_t image = 0, first = 0, count = 0;
+    /// If the tiles are drawn only for eyes near their camera: how far from it their surfaces are at most, metres.
+    /// Infinite for tiles that are always drawn.
+    double reachMetres = std::numeric_limits<double>::infinity();
 };
 
 /// Inside where a x + b y + c + e d >= 0; as (a, b, c, e), to be multiplied with (x, y, 1, d).

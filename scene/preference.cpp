@@ -13,6 +13,15 @@ TileMiddle middleOf(const Tile& tile, const Camera& camera, const Pose& worldFro
             0.5 * (static_cast<double>(tile.minDisparity) + tile.maxDisparity)};
 }
 
+double reachOf(const TileMiddle& middle) {
+    return glm::length(middle.rayInWorld) / middle.disparity;
+}
+
+bool mayBeNear(double metresFromCamera, double reachMetres, const PreferenceOptions& options) {
+    const auto share = static_cast<double>(options.nearBaseline);
+    return share > 0 && metresFromCamera <= share * (reachMetres + metresFromCamera) * (1 + 1e-9);
+}
+
 std::optional<int> orderLevelOf(const Tile& tile, const Camera& camera, const Pose& worldFromCamera, const View& eye,
                                 const PreferenceOptions& options) {
     return orderLevelOf(middleOf(tile, camera, worldFromCamera),

@@ -28,7 +28,7 @@ struct PreferenceOptions {
     /// A camera is near the eye, for a surface, if it stands no farther from the eye than this share of the eye's
     /// distance to the surface. Directional tiles and guesses are drawn only where their camera is near. 0: plain z
     /// order, base tiles alone.
-    float nearBaseline = 0.1f;
+    float nearBaseline = 0.07f;
     int nearLevels = 6; ///< order levels over which near cameras are told apart
     int guessLevels =
         3; ///< guesses of range are pushed back by so many more: what was measured about there comes first
@@ -49,7 +49,14 @@ TileMiddle middleOf(const Tile& tile, const Camera& camera, const Pose& worldFro
 std::optional<int> orderLevelOf(const TileMiddle& middle, const glm::dvec3& eyeFromCamera,
                                 const PreferenceOptions& options);
 
-/// The same, all at once.
+/// How far from the camera the tile's middle is, metres: infinite for the sky.
+double reachOf(const TileMiddle& middle);
+
+/// Whether an eye may be near (as above) for any tile within reach of a camera so far away: for passing over many tiles
+/// at once.
+bool mayBeNear(double metresFromCamera, double reachMetres, const PreferenceOptions& options);
+
+/// The same as above, all at once.
 std::optional<int> orderLevelOf(const Tile& tile, const Camera& camera, const Pose& worldFromCamera, const View& eye,
                                 const PreferenceOptions& options);
 

@@ -127,9 +127,9 @@ class TileCutter {
 TileSet cutIntoTiles(const DepthImage& image, int tileSize) {
     assert(tileSize >= 1 && tileSize <= kMaxTileSize);
     TileSet set;
-    for (int y0 = 0; y0 < image.camera.height; y0 += tileSize)
-        for (int x0 = 0; x0 < image.camera.width; x0 += tileSize)
-            for (const Tier tier : {Tier::base, Tier::directional, Tier::guess})
+    for (const Tier tier : {Tier::base, Tier::directional, Tier::guess})
+        for (int y0 = 0; y0 < image.camera.height; y0 += tileSize)
+            for (int x0 = 0; x0 < image.camera.width; x0 += tileSize)
                 TileCutter(image, tier, x0, y0, std::min(tileSize, image.camera.width - x0),
                            std::min(tileSize, image.camera.height - y0))
                     .appendTo(set);

@@ -83,7 +83,8 @@ inline TileBlock lend(const TileSet& set, const Camera& camera, const Pose& worl
 /// Cuts an image into tiles of tileSize x tileSize samples (1 to kMaxTileSize). A sample is kept if it is drawable and
 /// not redundant; a triangle is drawn if it is no skin, its three samples are drawable and at least one is kept, by the
 /// tier of its kept samples (base before directional); with a guess among its samples it is a guess. A place in the
-/// image gives up to three tiles, one of each tier; those without kept samples and triangles are left out.
+/// image gives up to three tiles, one of each tier; those without kept samples and triangles are left out. Tier by
+/// tier, so that what is drawn only from near can be passed over together.
 TileSet cutIntoTiles(const DepthImage& image, int tileSize = kDefaultTileSize);
 
 /// Disparity of a vertex of this tile.
