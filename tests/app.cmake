@@ -1,8 +1,16 @@
-# The programs, run as a user would: from a capture to frames.
-revisit_test(revisit_app_tests WHOLE LABELS programs TIMEOUT 600
-    SOURCES app/program.cpp app/walk_test.cpp
-    LINKS nlohmann_json::nlohmann_json opencv_core opencv_imgcodecs)
-target_compile_definitions(revisit_app_tests PRIVATE REVISIT_PROGRAM="$<TARGET_FILE:revisit>"
-    REVISIT_MAKE_SAMPLE="$<TARGET_FILE:make_sample>")
-target_include_directories(revisit_app_tests SYSTEM PRIVATE ${OpenCV_INCLUDE_DIRS})
-add_dependencies(revisit_app_tests revisit make_sample)
+# The programs, run as a user would.
+function(revisit_program_test name)
+    revisit_test(${name} ${ARGN} LINKS nlohmann_json::nlohmann_json opencv_core opencv_imgcodecs)
+    target_compile_definitions(${name} PRIVATE REVISIT_PROGRAM="$<TARGET_FILE:revisit>"
+        REVISIT_MAKE_SAMPLE="$<TARGET_FILE:make_sample>")
+    target_include_directories(${name} SYSTEM PRIVATE ${OpenCV_INCLUDE_DIRS})
+    add_dependencies(${name} revisit make_sample)
+endfunction()
+
+# From a capture to frames.
+revisit_program_test(revisit_app_tests WHOLE LABELS programs TIMEOUT 600
+    SOURCES app/comparison.cpp app/program.cpp app/walk_test.cpp)
+
+# Captures of others, once and whole.
+revisit_program_test(revisit_captures_tests LABELS data programs TIMEOUT 600
+    SOURCES app/captures_test.cpp app/comparison.cpp app/program.cpp)

@@ -1,5 +1,6 @@
 // From a capture to stereo frames with the built programs; and what happens when they are killed or given rubbish.
 
+#include "tests/app/comparison.h"
 #include "tests/app/program.h"
 #include "tests/scene/scratch_folder.h"
 
@@ -44,21 +45,6 @@ class Walk : public testing::Test {
   private:
     static inline scene::ScratchFolder* scratch_ = nullptr;
 };
-
-nlohmann::json readJson(const std::string& path) {
-    std::ifstream file(path);
-    return nlohmann::json::parse(file);
-}
-
-double psnr(const cv::Mat3b& a, const cv::Mat3b& b, const cv::Mat1b& where) {
-    double sum = 0;
-    int count = 0;
-    for (int y = 0; y < a.rows; ++y)
-        for (int x = 0; x < a.cols; ++x)
-            for (int c = 0; c < 3 && where(y, x); ++c, ++count)
-                sum += std::pow(a(y, x)[c] - b(y, x)[c], 2);
-    return 10 * std::log10(255.0 * 255.0 * count / std::max(sum, 1e-9));
-}
 
 TEST_F(Walk, HeldOutViewsComeBackByBothWarps) {
     for (const std::string warp : {"points", "mesh"}) {
