@@ -14,3 +14,7 @@ revisit_program_test(revisit_app_tests WHOLE LABELS programs TIMEOUT 600
 # Captures of others, once and whole.
 revisit_program_test(revisit_captures_tests LABELS data programs TIMEOUT 600
     SOURCES app/captures_test.cpp app/comparison.cpp app/program.cpp)
+
+# What the world may do to the programs; and an image from its own place.
+revisit_program_test(revisit_world_tests LABELS programs
+    SOURCES app/comparison.cpp app/full_disk_test.cpp app/itself_test.cpp app/no_device_test.cpp app/program.cpp)
