@@ -18,3 +18,7 @@ revisit_program_test(revisit_captures_tests LABELS data programs TIMEOUT 600
 # What the world may do to the programs; and an image from its own place.
 revisit_program_test(revisit_world_tests LABELS programs
     SOURCES app/comparison.cpp app/full_disk_test.cpp app/itself_test.cpp app/no_device_test.cpp app/program.cpp)
+
+# What the programs are made of.
+revisit_test(revisit_app_unit_tests LABELS unit LINKS app nlohmann_json::nlohmann_json
+    SOURCES app/stage_store_test.cpp app/view_files_test.cpp)

@@ -139,6 +139,19 @@ TEST_F(Walk, TheSameBytesOnOneThreadAndAfterBeingKilled) {
     EXPECT_FALSE(std::filesystem::exists(scene + ".part"));
 }
 
+TEST_F(Walk, PathsNeedNotBeUtf8) {
+    const std::string latin = path("caf\xe9"), scene = path("caf\xe9.revisit");
+    std::filesystem::create_directory_symlink(capture(), latin);
+    for (const std::vector<std::string>& command :
+         {std::vector<std::string>{kRevisit, "build", latin, "-o", scene, "--hold-out", "every:5:2"},
+          {kRevisit, "info", scene, "--json"},
+          {kRevisit, "render", scene, "--out", path("caf\xe9-frames")}}) {
+        const Outcome outcome = run(command, folder());
+        EXPECT_EQ(outcome.status, 0) << command[1] << "\n" << outcome.output;
+    }
+    EXPECT_GT(readJson(path("caf\xe9-frames") + "/report.json").at("samples_drawn").at("median"), 1000);
+}
+
 TEST_F(Walk, WrongUsageIsTwoAndWhatCannotBeDoneIsOne) {
     struct Case {
         std::vector<std::string> command;
