@@ -87,6 +87,10 @@ scene::StoredImage storedImage(const std::filesystem::path& file) {
 
 } // namespace
 
+scene::Failure nothingToBuild(const BuildOptions& options) {
+    return {"holds no image or scan with range", options.inputs.front(), "check the capture, or hold out less"};
+}
+
 ImportedImages importImages(const scene::Capture& capture, const std::vector<std::size_t>& heldOut,
                             const BuildOptions& options, StageStore& store) {
     ImportedImages imported;
@@ -126,6 +130,7 @@ ImportedImages importImages(const scene::Capture& capture, const std::vector<std
             imported.uprightInWorld[axis] += points.at("up").at(static_cast<std::size_t>(axis)).get<double>();
         progress.advance();
     }
+    if (imported.images.empty()) throw nothingToBuild(options);
     imported.key = keyOf(keys);
     return imported;
 }

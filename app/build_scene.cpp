@@ -13,6 +13,7 @@ namespace app {
 void buildScene(const BuildOptions& options) {
     const scene::Capture capture = scene::openCapture(options.inputs);
     const std::vector<std::size_t> heldOut = scene::findHeldOut(capture, options.holdOut);
+    if (capture.scans.empty() && heldOut.size() == capture.photos.size()) throw nothingToBuild(options);
     for (const std::string& remark : capture.remarks)
         std::fprintf(stderr, "note: %s\n", remark.c_str());
 
@@ -24,9 +25,6 @@ void buildScene(const BuildOptions& options) {
     StageStore store(work);
 
     const ImportedImages imported = importImages(capture, heldOut, options, store);
-    if (imported.images.empty())
-        throw scene::Failure("holds no image or scan with range", options.inputs.front(),
-                             "check the capture, or hold out less");
     const Overlaps overlaps = findOverlaps(imported, options);
     const SkinStage skins = markSkins(imported, overlaps, options, store);
     const KeepStage kept = keepBest(imported, overlaps, skins, options, store);

@@ -5,13 +5,18 @@
 #include "app/build_scene.h"
 #include "app/stage_store.h"
 
+#include "scene/errors.h"
 #include "scene/image_store.h"
 #include "scene/import/capture.h"
 #include "scene/refine/pairs.h"
 
 namespace app {
 
-/// import and project: every photo and every face of every scan as a depth image file.
+/// What to throw when a capture holds, or keeps back, nothing that can be seen.
+scene::Failure nothingToBuild(const BuildOptions& options);
+
+/// import and project: every photo and every face of every scan as a depth image file. Throws scene::Failure if there
+/// is none.
 struct ImportedImages {
     std::vector<scene::StoredImage> images;
     std::string key;

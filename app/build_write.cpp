@@ -65,6 +65,11 @@ json explain(const scene::Capture& capture, const Overlaps& overlaps, const Buil
     return reasons;
 }
 
+/// Paths need not be UTF-8, JSON must.
+std::string textOf(const json& manifest) {
+    return manifest.dump(1, ' ', false, json::error_handler_t::replace) + "\n";
+}
+
 /// Puts a whole folder in place of another in one step; nothing else ever stands under the name.
 void putInPlace(const std::filesystem::path& part, const std::filesystem::path& output) {
     std::error_code ignored;
@@ -163,12 +168,12 @@ void writeScene(const std::filesystem::path& output, const scene::Capture& captu
                         {"tiles", tileCount},
                         {"points_stored", points},
                         {"quads_stored", quads}}}};
-        writeWhole(part / "scene.json", manifest.dump(1) + "\n");
+        writeWhole(part / "scene.json", textOf(manifest));
 
         // Read back, which checks every block, and lay walk space into what was built.
         const scene::Scene written = scene::openScene(part);
         manifest["walk_from_world"] = rowMajor(findWalkSpace(written.images, written.blocks, imported.uprightInWorld));
-        writeWhole(part / "scene.json", manifest.dump(1) + "\n");
+        writeWhole(part / "scene.json", textOf(manifest));
         sync();
         putInPlace(part, output);
     } catch (...) {

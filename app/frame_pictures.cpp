@@ -1,22 +1,22 @@
 #include "app/frame_pictures.h"
 
+#include "app/stage_store.h"
+
 #include "scene/errors.h"
 
 #include <opencv2/imgcodecs.hpp>
-#include <opencv2/imgproc.hpp>
 
 namespace app {
 
 namespace {
 
+/// Encoded in memory first: OpenCV's own writing of files says more than one line where the disk is full, and does not
+/// notice when it fills up at the very end.
 void write(const std::filesystem::path& path, const cv::Mat& picture, const std::vector<int>& parameters = {}) {
-    bool isWritten = false;
-    try {
-        isWritten = cv::imwrite(path.string(), picture, parameters);
-    } catch (const cv::Exception&) {
-    }
-    if (!isWritten)
-        throw scene::Failure("cannot be written", path, "check that the disk has room and the folder may be written");
+    std::vector<std::uint8_t> bytes;
+    if (!cv::imencode(path.extension().string(), picture, bytes, parameters))
+        throw scene::Failure("cannot be encoded", path, "choose a smaller --size");
+    writeWhole(path, std::as_bytes(std::span(bytes)));
 }
 
 } // namespace

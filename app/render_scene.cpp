@@ -120,7 +120,10 @@ void renderScene(const RenderOptions& options) {
                                   {"near_baseline", quality.preference.nearBaseline},
                                   {"max_footprint", quality.maxFootprint},
                                   {"ipd_m", options.eyeDistanceMetres}};
-    writeWhole(options.out / "report.json", report.summarise(device, gpuScene, settings).dump(1) + "\n");
+    writeWhole(options.out / "report.json",
+               report.summarise(device, gpuScene, settings)
+                       .dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + // paths need not be UTF-8
+                   "\n");
 }
 
 } // namespace app

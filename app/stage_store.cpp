@@ -36,8 +36,9 @@ void moveInto(const std::filesystem::path& from, const std::filesystem::path& to
 } // namespace
 
 std::string keyOf(const nlohmann::json& inputAndOptions) {
-    const std::string text = inputAndOptions.dump();
-    const XXH128_hash_t hash = XXH3_128bits(text.data(), text.size());
+    // JSON's text would refuse file names that are not UTF-8.
+    const std::vector<std::uint8_t> bytes = nlohmann::json::to_cbor(inputAndOptions);
+    const XXH128_hash_t hash = XXH3_128bits(bytes.data(), bytes.size());
     char hex[33];
     std::snprintf(hex, sizeof hex, "%016llx%016llx", static_cast<unsigned long long>(hash.high64),
                   static_cast<unsigned long long>(hash.low64));
@@ -96,12 +97,14 @@ void writeWhole(const std::filesystem::path& path, std::span<const std::byte> by
     std::ofstream file(part, std::ios::binary | std::ios::trunc);
     file.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
     file.close();
-    if (!file) {
+    try {
+        if (!file) throw scene::Failure("cannot be written", path, kWriteRemedy);
+        moveInto(part, path);
+    } catch (...) {
         std::error_code ignored;
         std::filesystem::remove(part, ignored);
-        throw scene::Failure("cannot be written", path, kWriteRemedy);
+        throw;
     }
-    moveInto(part, path);
 }
 
 void writeWhole(const std::filesystem::path& path, const std::string& text) {

@@ -12,7 +12,7 @@
 
 namespace app {
 
-/// 32 hexadecimal digits of XXH3-128 over the JSON's text (objects are sorted by name).
+/// 32 hexadecimal digits of XXH3-128 over the JSON as CBOR (objects are sorted by name; strings may be any bytes).
 std::string keyOf(const nlohmann::json& inputAndOptions);
 
 /// A file or folder of which a stage's result depends: path, size and time of last change.

@@ -22,6 +22,8 @@ json parse(const std::filesystem::path& path) {
         return json::parse(file);
     } catch (const json::parse_error& e) {
         throw scene::Failure("is not valid JSON", scene::atByte(path, e.byte), "repair it there");
+    } catch (const json::exception& e) { // a number that no double can hold
+        throw scene::Failure(std::string("has a number that cannot be used (") + e.what() + ")", path, "correct it");
     }
 }
 
@@ -36,12 +38,18 @@ std::string fileNameOf(std::string name) {
     return name;
 }
 
+/// A whole number of pixels; 0, which no camera has, for any other number.
+int readSide(const json& from) {
+    const auto side = from.get<double>();
+    return side >= 1 && side <= kMaxSide && side == std::floor(side) ? static_cast<int>(side) : 0;
+}
+
 NamedView readCamera(const json& from, const std::string& where) {
     NamedView view;
     try {
         view.name = fileNameOf(from.at("name").get<std::string>());
-        view.camera = {from.at("width").get<int>(), from.at("height").get<int>(), from.at("fx").get<double>(),
-                       from.at("fy").get<double>(), from.at("cx").get<double>(),  from.at("cy").get<double>()};
+        view.camera = {readSide(from.at("width")),  readSide(from.at("height")), from.at("fx").get<double>(),
+                       from.at("fy").get<double>(), from.at("cx").get<double>(), from.at("cy").get<double>()};
         const auto values = from.at("world_from_camera").get<std::vector<double>>();
         glm::dmat4 m(0.0);
         for (std::size_t i = 0; i < 16; ++i)
@@ -55,7 +63,7 @@ NamedView readCamera(const json& from, const std::string& where) {
     } catch (const std::out_of_range&) {
         throw scene::Failure("world_from_camera has fewer than 16 numbers", where, "give a 4x4 pose, row by row");
     }
-    if (view.name.empty() || !isUsable(view.camera) || view.camera.width > kMaxSide || view.camera.height > kMaxSide)
+    if (view.name.empty() || !isUsable(view.camera))
         throw scene::Failure("has no name, or intrinsics that are not usable", where,
                              "correct name, width, height, fx, fy, cx, cy");
     return view;
@@ -79,6 +87,12 @@ scene::Pose readHead(const json& from, const std::string& where) {
         throw scene::Failure(std::string("lacks something or has it wrong (") + e.what() + ")", where,
                              "a pose has t, position and orientation");
     }
+}
+
+double readSeconds(const json& from, const std::string& where) {
+    if (!from.is_number())
+        throw scene::Failure("has a t that is no number", where, "give t in seconds, or leave it out");
+    return from.get<double>();
 }
 
 } // namespace
@@ -106,11 +120,14 @@ std::vector<NamedView> readPathFile(const std::filesystem::path& path, const sce
     std::vector<NamedView> views;
     for (std::size_t i = 0; i < root["poses"].size(); ++i) {
         const json& pose = root["poses"][i];
-        const scene::Pose spaceFromHead = readHead(pose, path.string() + ", pose " + std::to_string(i));
+        const std::string where = path.string() + ", pose " + std::to_string(i);
+        const scene::Pose spaceFromHead = readHead(pose, where);
         const std::string number = std::to_string(i);
         NamedView view{"pose-" + std::string(number.size() < 4 ? 4 - number.size() : 0, '0') + number, camera,
                        worldFromSpace * spaceFromHead * headFromCamera(), 0};
-        if (pose.contains("t") && pose["t"].is_number()) view.seconds = pose["t"].get<double>();
+        if (pose.contains("t")) view.seconds = readSeconds(pose["t"], where);
+        if (!views.empty() && view.seconds < views.back().seconds)
+            throw scene::Failure("is earlier than the pose before it", where, "give t in seconds, in ascending order");
         views.push_back(std::move(view));
     }
     return views;

@@ -95,7 +95,7 @@ void checkBlock(const TileBlock& block, const std::string& where) {
                     tile.minDisparity <= tile.maxDisparity,
                 "impossible disparities");
         require(tile.width <= kMaxTileSize && tile.height <= kMaxTileSize && tile.x0 >= 0 && tile.y0 >= 0 &&
-                    tile.x0 + tile.width <= block.camera.width && tile.y0 + tile.height <= block.camera.height,
+                    tile.x0 <= block.camera.width - tile.width && tile.y0 <= block.camera.height - tile.height,
                 "a place outside its image");
         require(static_cast<int>(tile.tier) < kTiers, "an unknown tier");
         require(tile.pointCount <= tile.vertexCount &&

@@ -1,8 +1,24 @@
-# The programs, run as a user would: from a capture to frames.
-revisit_test(revisit_app_tests WHOLE LABELS programs TIMEOUT 600
-    SOURCES app/program.cpp app/walk_test.cpp
-    LINKS nlohmann_json::nlohmann_json opencv_core opencv_imgcodecs)
-target_compile_definitions(revisit_app_tests PRIVATE REVISIT_PROGRAM="$<TARGET_FILE:revisit>"
-    REVISIT_MAKE_SAMPLE="$<TARGET_FILE:make_sample>")
-target_include_directories(revisit_app_tests SYSTEM PRIVATE ${OpenCV_INCLUDE_DIRS})
-add_dependencies(revisit_app_tests revisit make_sample)
+# The programs, run as a user would.
+function(revisit_program_test name)
+    revisit_test(${name} ${ARGN} LINKS nlohmann_json::nlohmann_json opencv_core opencv_imgcodecs)
+    target_compile_definitions(${name} PRIVATE REVISIT_PROGRAM="$<TARGET_FILE:revisit>"
+        REVISIT_MAKE_SAMPLE="$<TARGET_FILE:make_sample>")
+    target_include_directories(${name} SYSTEM PRIVATE ${OpenCV_INCLUDE_DIRS})
+    add_dependencies(${name} revisit make_sample)
+endfunction()
+
+# From a capture to frames.
+revisit_program_test(revisit_app_tests WHOLE LABELS programs TIMEOUT 600
+    SOURCES app/comparison.cpp app/program.cpp app/walk_test.cpp)
+
+# Captures of others, once and whole.
+revisit_program_test(revisit_captures_tests LABELS data programs TIMEOUT 600
+    SOURCES app/captures_test.cpp app/comparison.cpp app/program.cpp)
+
+# What the world may do to the programs; and an image from its own place.
+revisit_program_test(revisit_world_tests LABELS programs
+    SOURCES app/comparison.cpp app/full_disk_test.cpp app/itself_test.cpp app/no_device_test.cpp app/program.cpp)
+
+# What the programs are made of.
+revisit_test(revisit_app_unit_tests LABELS unit LINKS app nlohmann_json::nlohmann_json
+    SOURCES app/stage_store_test.cpp app/view_files_test.cpp)

@@ -21,4 +21,5 @@ revisit_test(revisit_picture_tests LABELS unit
         scene/image_store_test.cpp
         scene/import/photo_test.cpp
         scene/import/transforms_json_test.cpp
-        scene/import/tum_rgbd_test.cpp)
+        scene/import/tum_rgbd_test.cpp
+        scene/scene_file_test.cpp)

@@ -1,5 +1,6 @@
 // From a capture to stereo frames with the built programs; and what happens when they are killed or given rubbish.
 
+#include "tests/app/comparison.h"
 #include "tests/app/program.h"
 #include "tests/scene/scratch_folder.h"
 
@@ -44,21 +45,6 @@ class Walk : public testing::Test {
   private:
     static inline scene::ScratchFolder* scratch_ = nullptr;
 };
-
-nlohmann::json readJson(const std::string& path) {
-    std::ifstream file(path);
-    return nlohmann::json::parse(file);
-}
-
-double psnr(const cv::Mat3b& a, const cv::Mat3b& b, const cv::Mat1b& where) {
-    double sum = 0;
-    int count = 0;
-    for (int y = 0; y < a.rows; ++y)
-        for (int x = 0; x < a.cols; ++x)
-            for (int c = 0; c < 3 && where(y, x); ++c, ++count)
-                sum += std::pow(a(y, x)[c] - b(y, x)[c], 2);
-    return 10 * std::log10(255.0 * 255.0 * count / std::max(sum, 1e-9));
-}
 
 TEST_F(Walk, HeldOutViewsComeBackByBothWarps) {
     for (const std::string warp : {"points", "mesh"}) {
@@ -151,6 +137,19 @@ TEST_F(Walk, TheSameBytesOnOneThreadAndAfterBeingKilled) {
     ASSERT_EQ(finished.status, 0) << finished.output;
     EXPECT_EQ(filesOf(scene), whole);
     EXPECT_FALSE(std::filesystem::exists(scene + ".part"));
+}
+
+TEST_F(Walk, PathsNeedNotBeUtf8) {
+    const std::string latin = path("caf\xe9"), scene = path("caf\xe9.revisit");
+    std::filesystem::create_directory_symlink(capture(), latin);
+    for (const std::vector<std::string>& command :
+         {std::vector<std::string>{kRevisit, "build", latin, "-o", scene, "--hold-out", "every:5:2"},
+          {kRevisit, "info", scene, "--json"},
+          {kRevisit, "render", scene, "--out", path("caf\xe9-frames")}}) {
+        const Outcome outcome = run(command, folder());
+        EXPECT_EQ(outcome.status, 0) << command[1] << "\n" << outcome.output;
+    }
+    EXPECT_GT(readJson(path("caf\xe9-frames") + "/report.json").at("samples_drawn").at("median"), 1000);
 }
 
 TEST_F(Walk, WrongUsageIsTwoAndWhatCannotBeDoneIsOne) {

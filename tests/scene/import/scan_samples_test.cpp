@@ -4,9 +4,9 @@
 #include "scene/import/e57.h"
 #include "scene/import/ptx.h"
 #include "scene/project/cube_faces.h"
+#include "tests/shared_data.h"
 
 #include <algorithm>
-#include <cstdlib>
 
 #include <glm/geometric.hpp>
 #include <gtest/gtest.h>
@@ -14,14 +14,9 @@
 namespace scene {
 namespace {
 
-std::filesystem::path dataFolder() {
-    const char* const chosen = std::getenv("REVISIT_DATA");
-    return chosen ? std::filesystem::path(chosen) : std::filesystem::path(REVISIT_SHARED_DATA);
-}
-
 std::vector<std::filesystem::path> samplesOf(const std::string& extension) {
     std::vector<std::filesystem::path> paths;
-    const auto folder = dataFolder() / "scan_format_samples";
+    const auto folder = tests::dataFolder() / "scan_format_samples";
     if (!std::filesystem::exists(folder)) return paths;
     for (const auto& entry : std::filesystem::recursive_directory_iterator(folder))
         if (entry.path().extension() == extension) paths.push_back(entry.path());
@@ -54,7 +49,7 @@ std::string buildFaces(const std::filesystem::path& path, int& scans) {
 
 TEST(ScanSamples, EveryE57IsBuiltOrRefused) {
     const auto paths = samplesOf(".e57");
-    if (paths.empty()) GTEST_SKIP() << "because there is no scan_format_samples folder in " << dataFolder();
+    if (paths.empty()) GTEST_SKIP() << "because there is no scan_format_samples folder in " << tests::dataFolder();
     int scans = 0;
     for (const auto& path : paths) {
         const std::string message = buildFaces(path, scans);
@@ -66,7 +61,7 @@ TEST(ScanSamples, EveryE57IsBuiltOrRefused) {
 
 TEST(ScanSamples, EveryPtxIsBuiltOrRefused) {
     const auto paths = samplesOf(".ptx");
-    if (paths.empty()) GTEST_SKIP() << "because there is no scan_format_samples folder in " << dataFolder();
+    if (paths.empty()) GTEST_SKIP() << "because there is no scan_format_samples folder in " << tests::dataFolder();
     int scans = 0;
     for (const auto& path : paths) {
         const std::string message = buildFaces(path, scans);
@@ -78,14 +73,14 @@ TEST(ScanSamples, EveryPtxIsBuiltOrRefused) {
 }
 
 TEST(ScanSamples, APoseOfTranslationAlone) {
-    const auto path = dataFolder() / "scan_format_samples" / "translationWithoutRotation.e57";
+    const auto path = tests::dataFolder() / "scan_format_samples" / "translationWithoutRotation.e57";
     if (!std::filesystem::exists(path)) GTEST_SKIP() << "because there is no " << path;
     std::vector<std::string> remarks;
     EXPECT_EQ(listE57(path, remarks).at(0).worldFromScanner.translation, glm::dvec3(4, 5, 6));
 }
 
 TEST(ScanSamples, ThePumpKeepsEveryPoint) {
-    const auto path = dataFolder() / "e57_pump" / "pumpAVisualReferenceImage.e57";
+    const auto path = tests::dataFolder() / "e57_pump" / "pumpAVisualReferenceImage.e57";
     if (!std::filesystem::exists(path)) GTEST_SKIP() << "because there is no " << path;
     std::vector<std::string> remarks;
     const auto sources = listE57(path, remarks);
