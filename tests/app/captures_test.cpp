@@ -23,8 +23,8 @@ using nlohmann::json;
 const std::string kRevisit = REVISIT_PROGRAM;
 
 constexpr double kLivingRoomMeshFloor = 31, kLivingRoomPointsFloor = 29.5, kLivingRoomSeen = 0.97;
-constexpr double kShelfMeshFloor = 19; ///< real sensor: a third of its pixels have range, exposure changes
-constexpr double kMostKept = 0.15;     ///< share of the samples that the living room needs
+constexpr double kShelfMeshFloor = 21.5; ///< real sensor: a third of its pixels have range, exposure changes
+constexpr double kMostKept = 0.15;       ///< share of the samples that the living room needs
 constexpr const char* kPatienceSeconds = "60";
 
 void build(const std::filesystem::path& capture, const std::filesystem::path& scene, const std::string& holdOut,

@@ -264,7 +264,7 @@ TEST_F(SceneFile, ImpossibleTilesWithRightChecksumsAreRefused) {
     }
     refused("outside its image", at(&Tile::width, std::uint8_t{255}));
     refused("outside its image", at(&Tile::height, std::uint8_t{64}));
-    refused("unknown tier", at(&Tile::tier, static_cast<Tier>(2)));
+    refused("unknown tier", at(&Tile::tier, static_cast<Tier>(kTiers)));
     refused("beyond its block", at(&Tile::firstVertex, kMost32));
     refused("beyond its block", at(&Tile::vertexCount, kMost32));
     refused("beyond its block", at(&Tile::pointCount, kMost32));
