@@ -5,6 +5,7 @@
 #include "app/render_scene.h"
 #include "app/sizes.h"
 #include "app/version.h"
+#include "app/walk_scene.h"
 
 #include "scene/errors.h"
 
@@ -85,6 +86,26 @@ void addBuild(CLI::App& program, app::BuildOptions& options, std::string& memory
                   "may be removed.");
 }
 
+/// How a scene is drawn: the same wherever one is.
+void addDrawOptions(CLI::App& command, app::DrawOptions& options) {
+    command.add_option("--warp", options.warp, "points, mesh")
+        ->check(CLI::IsMember({"points", "mesh"}))
+        ->capture_default_str();
+    command.add_option("--ipd", options.eyeDistanceMetres, "metres between the eyes")
+        ->check(CLI::Range(0.0, 1.0))
+        ->capture_default_str();
+    command
+        .add_option("--near-baseline", options.nearBaseline,
+                    "images taken from within this share of a surface's distance are preferred there; 0: the nearest "
+                    "sample wins")
+        ->check(CLI::Range(0.0, 10.0));
+    command
+        .add_option("--max-footprint", options.maxFootprint,
+                    "points: widest square of pixels for a sample; 1: one pixel each")
+        ->check(CLI::Range(1, 64));
+    refuse(command, "--quality", "the speed and accuracy table");
+}
+
 void addRender(CLI::App& program, app::RenderOptions& options, std::string& size, std::string& memory) {
     CLI::App* render = program.add_subcommand(
         "render", "Draw a scene into picture files, in stereo along a path or from given cameras.");
@@ -97,27 +118,37 @@ void addRender(CLI::App& program, app::RenderOptions& options, std::string& size
     render->add_option("--eyes", options.eyes, "2 or 1; default 2 for paths, 1 for cameras")
         ->check(CLI::IsMember({1, 2}));
     render->add_flag("--aux", options.aux, "write depth and class, too");
-    render->add_option("--warp", options.warp, "points, mesh")
-        ->check(CLI::IsMember({"points", "mesh"}))
-        ->capture_default_str();
-    render->add_option("--ipd", options.eyeDistanceMetres, "metres between the eyes")
-        ->check(CLI::Range(0.0, 1.0))
-        ->capture_default_str();
-    render
-        ->add_option("--near-baseline", options.nearBaseline,
-                     "images taken from within this share of a surface's distance are preferred there; 0: the nearest "
-                     "sample wins")
-        ->check(CLI::Range(0.0, 10.0));
-    render
-        ->add_option("--max-footprint", options.maxFootprint,
-                     "points: widest square of pixels for a sample; 1: one pixel each")
-        ->check(CLI::Range(1, 64));
+    addDrawOptions(*render, options.draw);
     render->add_option("--memory", memory, "what the scene may take, e.g. 8G")->capture_default_str();
     refuse(*render, "--overlay", "walk cells");
-    refuse(*render, "--quality", "the speed and accuracy table");
     render->footer("Examples:\n"
                    "  revisit render room.revisit --out frames --path walk.json\n"
                    "  revisit render room.revisit --out frames --cameras cameras.json --eyes 1 --aux --warp mesh");
+}
+
+void addWalk(CLI::App& program, app::WalkOptions& options, std::string& size, std::string& memory) {
+    CLI::App* walk = program.add_subcommand(
+        "walk", "Walk through a scene in a headset (any OpenXR runtime), or without a display along a path.");
+    walk->add_option("SCENE", options.scene, "folder that 'revisit build' made")->required();
+    walk->add_flag("--headless", options.isHeadless, "no headset and no window: along --path, frame by frame");
+    walk->add_option("--path", options.path, "path file: where the walker is led, by time");
+    walk->add_option("--record", options.record, "path file to write: where the head went");
+    walk->add_option("--out", options.out, "folder for report.json, and for pictures with --picture-every");
+    walk->add_option("--picture-every", options.pictureEvery,
+                     "keep what both eyes were given, and cameras.json to draw it again, every so many frames")
+        ->check(CLI::Range(1, 1 << 30));
+    walk->add_option("--frames", options.frames, "end after so many")->check(CLI::Range(1, 1 << 30));
+    walk->add_option("--rate", options.framesPerSecond, "frames a second along the path, without a display")
+        ->check(CLI::Range(1.0, 1000.0))
+        ->capture_default_str();
+    walk->add_option("--size", size, "WxH of an eye without a display; default 640x480");
+    addDrawOptions(*walk, options.draw);
+    walk->add_option("--memory", memory, "what the scene may take, e.g. 8G")->capture_default_str();
+    refuse(*walk, "--desktop", "the window");
+    walk->footer("Examples:\n"
+                 "  revisit walk room.revisit                      # in the headset\n"
+                 "  revisit walk room.revisit --record walk.json   # and remember where the head went\n"
+                 "  revisit walk room.revisit --headless --path walk.json --out report");
 }
 
 int run(int argc, char** argv) {
@@ -130,12 +161,14 @@ int run(int argc, char** argv) {
 
     app::BuildOptions buildOptions;
     app::RenderOptions renderOptions;
+    app::WalkOptions walkOptions;
     std::string memory = "8G", size;
     std::filesystem::path infoScene;
     bool infoAsJson = false;
     int threads = 0;
     addBuild(program, buildOptions, memory, threads);
     addRender(program, renderOptions, size, memory);
+    addWalk(program, walkOptions, size, memory);
     CLI::App* info = program.add_subcommand("info", "Say what a scene is and what was built into it.");
     info->add_option("SCENE", infoScene, "folder that 'revisit build' made")->required();
     info->add_flag("--json", infoAsJson, "as JSON, for programs");
@@ -144,8 +177,11 @@ int run(int argc, char** argv) {
     try {
         program.parse(argc, argv);
         buildOptions.memoryBytes = app::parseBytes(memory);
-        renderOptions.memoryBytes = buildOptions.memoryBytes;
-        if (!size.empty()) std::tie(renderOptions.width, renderOptions.height) = app::parseSize(size);
+        renderOptions.draw.memoryBytes = walkOptions.draw.memoryBytes = buildOptions.memoryBytes;
+        if (!size.empty()) {
+            std::tie(renderOptions.width, renderOptions.height) = app::parseSize(size);
+            std::tie(walkOptions.width, walkOptions.height) = app::parseSize(size);
+        }
     } catch (const CLI::ParseError& e) {
         return program.exit(e) == 0 ? kDone : kWrongUsage;
     }
@@ -156,6 +192,7 @@ int run(int argc, char** argv) {
     if (threads > 0) limit.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
     if (program.got_subcommand("build")) app::buildScene(buildOptions);
     if (program.got_subcommand("render")) app::renderScene(renderOptions);
+    if (program.got_subcommand("walk")) app::walkScene(walkOptions);
     if (program.got_subcommand("info")) app::printInfo(infoScene, infoAsJson);
     return kDone;
 }

@@ -46,33 +46,14 @@ std::vector<NamedView> listViews(const RenderOptions& o, const scene::Scene& sce
     return views;
 }
 
-render::Quality qualityOf(const RenderOptions& o) {
-    render::Quality quality;
-    quality.warp = o.warp == "mesh" ? render::Warp::mesh : render::Warp::points;
-    quality.preference.nearBaseline = static_cast<float>(o.nearBaseline);
-    if (o.maxFootprint > 0) quality.maxFootprint = o.maxFootprint;
-    return quality;
-}
-
-/// All tiles are made resident: what they take must be allowed before it is taken.
-void checkMemory(const scene::Scene& scene, const RenderOptions& o) {
-    std::size_t bytes = 0;
-    for (const scene::TileBlock& block : scene.blocks)
-        bytes += block.vertices.size_bytes() + block.quads.size_bytes();
-    if (bytes > o.memoryBytes)
-        throw scene::Failure("needs " + std::to_string((bytes >> 20) + 1) + " MiB but --memory allows " +
-                                 std::to_string(o.memoryBytes >> 20),
-                             o.scene, "allow more with --memory, or build it with a larger --cull-baseline");
-}
-
 } // namespace
 
 void renderScene(const RenderOptions& options) {
     const scene::Scene scene = scene::openScene(options.scene);
     const std::vector<NamedView> views = listViews(options, scene);
-    checkMemory(scene, options);
+    checkMemory(scene, options.draw);
     const int eyes = options.eyes > 0 ? options.eyes : options.path.empty() ? 1 : 2;
-    const render::Quality quality = qualityOf(options);
+    const render::Quality quality = qualityOf(options.draw);
     const render::Device device;
     const render::GpuScene gpuScene(device, scene.blocks);
 
@@ -94,7 +75,7 @@ void renderScene(const RenderOptions& options) {
         drawn = view.camera;
         std::vector<scene::View> eyeViews{{view.camera, view.worldFromCamera}};
         if (eyes == 2) {
-            const auto [left, right] = scene::eyesOf(view.camera, view.worldFromCamera, options.eyeDistanceMetres);
+            const auto [left, right] = scene::eyesOf(view.camera, view.worldFromCamera, options.draw.eyeDistanceMetres);
             eyeViews = {left, right};
         }
         const auto start = std::chrono::steady_clock::now();
@@ -113,13 +94,13 @@ void renderScene(const RenderOptions& options) {
         progress.advance();
     }
     const nlohmann::json settings{{"scene", options.scene.string()},
-                                  {"warp", options.warp},
+                                  {"warp", options.draw.warp},
                                   {"width", drawn.width},
                                   {"height", drawn.height},
                                   {"eyes", eyes},
                                   {"near_baseline", quality.preference.nearBaseline},
                                   {"max_footprint", quality.maxFootprint},
-                                  {"ipd_m", options.eyeDistanceMetres}};
+                                  {"ipd_m", options.draw.eyeDistanceMetres}};
     writeWhole(options.out / "report.json",
                report.summarise(device, gpuScene, settings)
                        .dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + // paths need not be UTF-8

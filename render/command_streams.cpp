@@ -68,6 +68,37 @@ void CommandStreams::submit(std::size_t slot) {
     }
 }
 
+void runAndWait(const Device& device, const std::function<void(VkCommandBuffer)>& recordCommands) {
+    VkCommandPoolCreateInfo poolInfo{};
+    poolInfo.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO;
+    poolInfo.queueFamilyIndex = device.queueFamily();
+    VkCommandPool rawPool = VK_NULL_HANDLE;
+    check(vkCreateCommandPool(device, &poolInfo, nullptr, &rawPool));
+    const CommandPool pool(device, rawPool);
+
+    VkCommandBufferAllocateInfo allocate{};
+    allocate.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO;
+    allocate.commandPool = pool;
+    allocate.level = VK_COMMAND_BUFFER_LEVEL_PRIMARY;
+    allocate.commandBufferCount = 1;
+    VkCommandBuffer commands = VK_NULL_HANDLE;
+    check(vkAllocateCommandBuffers(device, &allocate, &commands));
+
+    VkCommandBufferBeginInfo begin{};
+    begin.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO;
+    begin.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
+    check(vkBeginCommandBuffer(commands, &begin));
+    recordCommands(commands);
+    check(vkEndCommandBuffer(commands));
+
+    VkSubmitInfo submit{};
+    submit.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO;
+    submit.commandBufferCount = 1;
+    submit.pCommandBuffers = &commands;
+    check(vkQueueSubmit(device.queue(0), 1, &submit, VK_NULL_HANDLE));
+    check(vkQueueWaitIdle(device.queue(0)));
+}
+
 void record(VkCommandBuffer commands, const Barrier& barrier) {
     VkMemoryBarrier memory{};
     memory.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER;

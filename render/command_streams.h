@@ -8,6 +8,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 namespace render {
@@ -37,6 +38,9 @@ class CommandStreams {
     const Device& device_;
     std::array<std::vector<Stream>, kFramesInFlight> slots_; ///< per eye
 };
+
+/// Records commands, submits them to the first queue and waits until they are done: for what happens once.
+void runAndWait(const Device& device, const std::function<void(VkCommandBuffer)>& recordCommands);
 
 /// What was written or read at some stages is finished and visible before others read or write.
 struct Barrier {

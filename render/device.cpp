@@ -27,10 +27,11 @@ bool instanceHas(const char* extension) {
 
 } // namespace
 
-Device::Device() {
+Device::Device(const DeviceMaker& maker) {
     try {
-        createInstance();
-        createDevice();
+        createInstance(maker);
+        choosePhysical(maker);
+        createDevice(maker);
         describeDevice();
     } catch (...) {
         destroy();
@@ -48,7 +49,7 @@ void Device::destroy() {
     if (instance_ != VK_NULL_HANDLE) vkDestroyInstance(instance_, nullptr);
 }
 
-void Device::createInstance() {
+void Device::createInstance(const DeviceMaker& maker) {
     if (volkInitialize() != VK_SUCCESS)
         throw scene::Failure("there is no Vulkan on this machine", std::string("Vulkan loader"), kGetADevice);
 
@@ -58,13 +59,16 @@ void Device::createInstance() {
     application.apiVersion = VK_API_VERSION_1_2;
 
     const bool canHear = instanceHas(VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
-    const char* extension = VK_EXT_DEBUG_UTILS_EXTENSION_NAME;
+    std::vector<const char*> extensions = maker.instanceExtensions;
+    if (canHear) extensions.push_back(VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
     VkInstanceCreateInfo info{};
     info.sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO;
     info.pApplicationInfo = &application;
-    info.enabledExtensionCount = canHear ? 1 : 0;
-    info.ppEnabledExtensionNames = &extension;
-    if (const VkResult result = vkCreateInstance(&info, nullptr, &instance_); result != VK_SUCCESS) {
+    info.enabledExtensionCount = static_cast<std::uint32_t>(extensions.size());
+    info.ppEnabledExtensionNames = extensions.data();
+    const VkResult result = maker.makeInstance ? maker.makeInstance(vkGetInstanceProcAddr, info, instance_)
+                                               : vkCreateInstance(&info, nullptr, &instance_);
+    if (result != VK_SUCCESS) {
         if (result == VK_ERROR_INCOMPATIBLE_DRIVER)
             throw scene::Failure("no Vulkan driver was found", std::string("Vulkan loader"), kGetADevice);
         check(result);
@@ -82,10 +86,15 @@ void Device::createInstance() {
     check(vkCreateDebugUtilsMessengerEXT(instance_, &ear, nullptr, &messenger_));
 }
 
-void Device::createDevice() {
+void Device::choosePhysical(const DeviceMaker& maker) {
     const char* environment = std::getenv("REVISIT_DEVICE");
     const std::string nameContains = environment != nullptr ? environment : "";
-    const std::vector<Candidate> candidates = findCandidates(instance_);
+    std::vector<Candidate> candidates = findCandidates(instance_);
+    if (maker.findPhysical) {
+        // The runtime's word is final: what is not on that device cannot reach the headset.
+        const VkPhysicalDevice wanted = maker.findPhysical(instance_);
+        std::erase_if(candidates, [&](const Candidate& candidate) { return candidate.handle != wanted; });
+    }
     const std::optional<std::size_t> chosen = chooseCandidate(candidates, nameContains);
     if (!chosen)
         throw scene::Failure("no graphics device can draw: " + describe(candidates, nameContains),
@@ -93,13 +102,15 @@ void Device::createDevice() {
                              nameContains.empty() ? kGetADevice : "change or unset REVISIT_DEVICE");
     physical_ = candidates[*chosen].handle;
     queueFamily_ = candidates[*chosen].queueFamily;
+    queueCount_ = std::min<std::uint32_t>(candidates[*chosen].queueCount, kMaxEyes);
+}
 
-    const std::uint32_t queueCount = std::min<std::uint32_t>(candidates[*chosen].queueCount, kMaxEyes);
+void Device::createDevice(const DeviceMaker& maker) {
     const std::array<float, kMaxEyes> priorities{1.0f, 1.0f};
     VkDeviceQueueCreateInfo queues{};
     queues.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO;
     queues.queueFamilyIndex = queueFamily_;
-    queues.queueCount = queueCount;
+    queues.queueCount = queueCount_;
     queues.pQueuePriorities = priorities.data();
 
     VkPhysicalDeviceVulkan12Features features12{};
@@ -115,9 +126,12 @@ void Device::createDevice() {
     info.pNext = &features;
     info.queueCreateInfoCount = 1;
     info.pQueueCreateInfos = &queues;
-    check(vkCreateDevice(physical_, &info, nullptr, &device_));
+    info.enabledExtensionCount = static_cast<std::uint32_t>(maker.deviceExtensions.size());
+    info.ppEnabledExtensionNames = maker.deviceExtensions.data();
+    check(maker.makeDevice ? maker.makeDevice(vkGetInstanceProcAddr, physical_, info, device_)
+                           : vkCreateDevice(physical_, &info, nullptr, &device_));
     for (std::uint32_t eye = 0; eye < kMaxEyes; ++eye)
-        vkGetDeviceQueue(device_, queueFamily_, std::min(eye, queueCount - 1), &queues_[eye]);
+        vkGetDeviceQueue(device_, queueFamily_, std::min(eye, queueCount_ - 1), &queues_[eye]);
 }
 
 void Device::describeDevice() {

@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <mutex>
 #include <string>
 #include <vector>
@@ -14,13 +15,23 @@ namespace render {
 
 inline constexpr int kMaxEyes = 2;
 
+/// Who makes the Vulkan objects where it is not us: an OpenXR runtime wants to add to them, and knows which device its
+/// headset hangs on. Each function is given what we would have made ourselves.
+struct DeviceMaker {
+    std::function<VkResult(PFN_vkGetInstanceProcAddr, const VkInstanceCreateInfo&, VkInstance&)> makeInstance;
+    std::function<VkPhysicalDevice(VkInstance)> findPhysical;
+    std::function<VkResult(PFN_vkGetInstanceProcAddr, VkPhysicalDevice, const VkDeviceCreateInfo&, VkDevice&)>
+        makeDevice;
+    std::vector<const char*> instanceExtensions, deviceExtensions; ///< further ones, for windows
+};
+
 /// Stays where it is: everything it makes points back at it, and must be gone before it.
 class Device {
   public:
     /// Chooses discrete before integrated, virtual, processor; the environment variable REVISIT_DEVICE (part
     /// of a name) overrules. Throws scene::Failure if Vulkan or a fitting device is missing, naming each
-    /// candidate and what it lacks.
-    Device();
+    /// candidate and what it lacks. Functions that the maker leaves empty are Vulkan's own.
+    explicit Device(const DeviceMaker& maker = {});
     ~Device();
     Device(const Device&) = delete;
     Device& operator=(const Device&) = delete;
@@ -51,8 +62,9 @@ class Device {
     std::vector<std::string> validationMessages() const;
 
   private:
-    void createInstance();
-    void createDevice();
+    void createInstance(const DeviceMaker& maker);
+    void createDevice(const DeviceMaker& maker);
+    void choosePhysical(const DeviceMaker& maker);
     void describeDevice();
     void destroy();
     static VkBool32 VKAPI_PTR hear(VkDebugUtilsMessageSeverityFlagBitsEXT severity,
@@ -64,7 +76,7 @@ class Device {
     VkPhysicalDevice physical_ = VK_NULL_HANDLE;
     VkDevice device_ = VK_NULL_HANDLE;
     std::array<VkQueue, kMaxEyes> queues_{};
-    std::uint32_t queueFamily_ = 0, timestampBits_ = 0;
+    std::uint32_t queueFamily_ = 0, queueCount_ = 1, timestampBits_ = 0;
     VkPhysicalDeviceProperties properties_{};
     VkPhysicalDeviceMemoryProperties memory_{};
     std::string name_, driver_;

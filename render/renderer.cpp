@@ -18,11 +18,12 @@ double marginOf(const Quality& quality) {
 constexpr VkPipelineStageFlags kCompute = VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT;
 constexpr VkPipelineStageFlags kTransfer = VK_PIPELINE_STAGE_TRANSFER_BIT;
 constexpr VkAccessFlags kRead = VK_ACCESS_SHADER_READ_BIT, kWrite = VK_ACCESS_SHADER_WRITE_BIT;
-constexpr Barrier kAfterLastFrame{kCompute, kRead | kWrite, kTransfer | kCompute,
-                                  VK_ACCESS_TRANSFER_WRITE_BIT | kRead | kWrite};
+constexpr Barrier kAfterLastFrame{kCompute | kTransfer, kRead | kWrite | VK_ACCESS_TRANSFER_READ_BIT,
+                                  kTransfer | kCompute, VK_ACCESS_TRANSFER_WRITE_BIT | kRead | kWrite};
 constexpr Barrier kAfterClear{kTransfer, VK_ACCESS_TRANSFER_WRITE_BIT, kCompute, kRead | kWrite};
 constexpr Barrier kAfterWarp{kCompute, kRead | kWrite, kCompute, kRead};
-constexpr Barrier kAfterResolve{kCompute, kWrite, VK_PIPELINE_STAGE_HOST_BIT, VK_ACCESS_HOST_READ_BIT};
+constexpr Barrier kAfterResolve{kCompute, kWrite, VK_PIPELINE_STAGE_HOST_BIT | kTransfer,
+                                VK_ACCESS_HOST_READ_BIT | VK_ACCESS_TRANSFER_READ_BIT};
 
 std::uint32_t resolveWorkgroupSize(const Device& device) {
     return device.isProcessor() ? static_cast<std::uint32_t>(device.subgroupSize()) : 128;
@@ -49,8 +50,9 @@ Renderer::Renderer(const Device& device, const GpuScene& scene, int width, int h
                          {}});
 }
 
-FrameStats Renderer::draw(std::span<const scene::View> views, const Quality& quality) {
-    assert(views.size() == eyes_.size());
+FrameStats Renderer::draw(std::span<const scene::View> views, const Quality& quality,
+                          std::span<const EyeOutput> outputs) {
+    assert(views.size() == eyes_.size() && (outputs.empty() || outputs.size() == eyes_.size()));
     const std::size_t slot = frames_ % kFramesInFlight;
     FrameStats stats;
     stats.frame = frames_;
@@ -63,7 +65,7 @@ FrameStats Renderer::draw(std::span<const scene::View> views, const Quality& qua
     tbb::parallel_for(std::size_t{0}, eyes_.size(), [&](std::size_t i) {
         const int index = static_cast<int>(i);
         prepare(eyes_[i], views[i], quality, slot, index);
-        recordCommands(eyes_[i], quality, slot, index);
+        recordCommands(eyes_[i], quality, outputs.empty() ? EyeOutput{} : outputs[i], slot, index);
     });
     timed(stats.cpu, "submit", kWholeFrame, [&] { streams_.submit(slot); });
 
@@ -104,7 +106,7 @@ void Renderer::prepare(Eye& eye, const scene::View& view, const Quality& quality
     });
 }
 
-void Renderer::recordCommands(Eye& eye, const Quality& quality, std::size_t slot, int index) {
+void Renderer::recordCommands(Eye& eye, const Quality& quality, const EyeOutput& output, std::size_t slot, int index) {
     timed(eye.times, "record", index, [&] {
         const VkCommandBuffer commands = streams_.begin(slot, index);
         const VkDescriptorSet eyeSet = eye.target.sets[slot];
@@ -124,6 +126,8 @@ void Renderer::recordCommands(Eye& eye, const Quality& quality, std::size_t slot
         recordResolve(commands, eyeSet);
         record(commands, kAfterResolve);
         timer.mark(commands, "resolve");
+
+        if (output.image != VK_NULL_HANDLE) recordOutput(commands, eye.target, width_, height_, output);
     });
 }
 

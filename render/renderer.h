@@ -5,6 +5,7 @@
 #include "render/device.h"
 #include "render/draw_list.h"
 #include "render/gpu_scene.h"
+#include "render/output.h"
 #include "render/quality.h"
 #include "render/readback.h"
 #include "render/target.h"
@@ -40,8 +41,8 @@ class Renderer {
     Renderer(const Device& device, const GpuScene& scene, int width, int height, int eyes);
 
     /// Sends a frame to the device. Waits only for the frame two before. The cameras must have the renderer's
-    /// size.
-    FrameStats draw(std::span<const scene::View> eyes, const Quality& quality);
+    /// size. outputs: where the finished eyes are copied to, one each, or none.
+    FrameStats draw(std::span<const scene::View> eyes, const Quality& quality, std::span<const EyeOutput> outputs = {});
 
     /// Waits for the last frame and tells about it, its own times on the device included.
     FrameStats finish();
@@ -63,7 +64,7 @@ class Renderer {
         std::vector<StepTime> times;
     };
     void prepare(Eye& eye, const scene::View& view, const Quality& quality, std::size_t slot, int index);
-    void recordCommands(Eye& eye, const Quality& quality, std::size_t slot, int index);
+    void recordCommands(Eye& eye, const Quality& quality, const EyeOutput& output, std::size_t slot, int index);
     void recordResolve(VkCommandBuffer commands, VkDescriptorSet eyeSet) const;
     void readTimes(std::size_t slot, std::vector<StepTime>& times) const;
 

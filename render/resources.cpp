@@ -1,6 +1,7 @@
 #include "render/resources.h"
 
 #include "render/check.h"
+#include "render/command_streams.h"
 #include "render/device.h"
 
 #include <cassert>
@@ -25,39 +26,6 @@ MemoryWish wishFor(MemoryUse use) {
     default:
         return {kMapped, VK_MEMORY_PROPERTY_HOST_CACHED_BIT};
     }
-}
-
-/// Copies and waits; only for what happens once.
-void copyAndWait(const Device& device, const Buffer& from, const Buffer& to) {
-    VkCommandPoolCreateInfo poolInfo{};
-    poolInfo.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO;
-    poolInfo.queueFamilyIndex = device.queueFamily();
-    VkCommandPool rawPool = VK_NULL_HANDLE;
-    check(vkCreateCommandPool(device, &poolInfo, nullptr, &rawPool));
-    const CommandPool pool(device, rawPool);
-
-    VkCommandBufferAllocateInfo allocate{};
-    allocate.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO;
-    allocate.commandPool = pool;
-    allocate.level = VK_COMMAND_BUFFER_LEVEL_PRIMARY;
-    allocate.commandBufferCount = 1;
-    VkCommandBuffer commands = VK_NULL_HANDLE;
-    check(vkAllocateCommandBuffers(device, &allocate, &commands));
-
-    VkCommandBufferBeginInfo begin{};
-    begin.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO;
-    begin.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
-    check(vkBeginCommandBuffer(commands, &begin));
-    const VkBufferCopy all{0, 0, from.size()};
-    vkCmdCopyBuffer(commands, from.handle(), to.handle(), 1, &all);
-    check(vkEndCommandBuffer(commands));
-
-    VkSubmitInfo submit{};
-    submit.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO;
-    submit.commandBufferCount = 1;
-    submit.pCommandBuffers = &commands;
-    check(vkQueueSubmit(device.queue(0), 1, &submit, VK_NULL_HANDLE));
-    check(vkQueueWaitIdle(device.queue(0)));
 }
 
 } // namespace
@@ -102,7 +70,10 @@ Buffer uploadTexels(const Device& device, std::span<const std::byte> bytes) {
     }
     const Buffer staging(device, bytes.size(), VK_BUFFER_USAGE_TRANSFER_SRC_BIT, MemoryUse::hostWrites);
     std::memcpy(staging.mapped(), bytes.data(), bytes.size());
-    copyAndWait(device, staging, target);
+    runAndWait(device, [&](VkCommandBuffer commands) {
+        const VkBufferCopy all{0, 0, staging.size()};
+        vkCmdCopyBuffer(commands, staging.handle(), target.handle(), 1, &all);
+    });
     return target;
 }
 

@@ -49,7 +49,8 @@ EyeTarget makeEyeTarget(const Device& device, VkDescriptorSetLayout eyeLayout, i
     target.zBuffer = Buffer(device, pixels * sizeof(std::uint64_t),
                             kStorage | VK_BUFFER_USAGE_TRANSFER_DST_BIT | VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT,
                             MemoryUse::onDevice);
-    target.colours = Buffer(device, pixels * sizeof(std::uint32_t), kStorage, MemoryUse::hostReads);
+    target.colours = Buffer(device, pixels * sizeof(std::uint32_t), kStorage | VK_BUFFER_USAGE_TRANSFER_SRC_BIT,
+                            MemoryUse::hostReads);
     target.depths = Buffer(device, pixels * sizeof(float), kStorage, MemoryUse::hostReads);
     target.zTexels = makeTexelView(device, target.zBuffer);
     target.pool = makeSetPool(device, kFramesInFlight, kEyeBindings);

@@ -1,0 +1,31 @@
+#pragma once
+// Where a finished eye goes besides its own buffers: a layer of somebody else's image, of a headset's or a window's
+// swapchain.
+
+#include "scene/image.h"
+
+#include <volk.h>
+
+#include <cstdint>
+
+namespace render {
+
+class Device;
+struct EyeTarget;
+
+/// An image of four bytes a pixel in the order r, g, b, a (UNORM or SRGB: bytes are copied as they are), as large as
+/// the eye, made to be a transfer destination. Nothing is copied if image is null.
+struct EyeOutput {
+    VkImage image = VK_NULL_HANDLE;
+    std::uint32_t layer = 0;
+    VkImageLayout layout = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL; ///< in which it is left; what it held is lost
+};
+
+/// Copies the eye's resolved picture; the last byte of each pixel is its class.
+void recordOutput(VkCommandBuffer commands, const EyeTarget& target, int width, int height, const EyeOutput& output);
+
+/// What such an image holds once all that was submitted to it is done; it must be made to be a transfer source as well.
+/// Waits: for pictures of single frames.
+scene::Image<scene::Rgb8> readOutput(const Device& device, const EyeOutput& output, int width, int height);
+
+} // namespace render

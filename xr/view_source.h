@@ -1,0 +1,55 @@
+#pragma once
+// Where the eyes are, frame by frame: a headset, a window or nothing at all. Whoever draws cannot tell which.
+//
+//   tracking space   metres, right-handed, +Y up, -Z forward, floor at Y = 0: the room of the wearer
+
+#include "scene/view.h"
+
+#include <array>
+#include <cstdint>
+
+#include <volk.h>
+
+namespace xr {
+
+inline constexpr std::size_t kEyes = 2;
+
+/// A place in an image that the eye's picture is to be copied to; image is null where nobody wants one.
+struct EyeImage {
+    VkImage image = VK_NULL_HANDLE;
+    std::uint32_t layer = 0;
+};
+
+struct Frame {
+    enum class Kind {
+        draw, ///< draw the eyes and call end
+        skip, ///< nothing is shown now; nothing need be drawn, and end not be called
+        end,  ///< it is over: the path has ended, the wearer has left
+        lost  ///< the runtime is gone: this source is of no more use, another may come
+    };
+    Kind kind = Kind::skip;
+    double seconds = 0; ///< when the frame is shown, since the first one
+    scene::Pose trackingFromHead;
+    std::array<scene::View, kEyes> eyes; ///< worldFromEye is trackingFromEye here; left, right
+    std::array<EyeImage, kEyes> images{};
+    bool isTracked = true; ///< false: the poses are the last ones known
+};
+
+class ViewSource {
+  public:
+    virtual ~ViewSource() = default;
+    ViewSource() = default;
+    ViewSource(const ViewSource&) = delete;
+    ViewSource& operator=(const ViewSource&) = delete;
+
+    /// Pixels of each eye's picture; stays the same.
+    virtual int width() const = 0;
+    virtual int height() const = 0;
+
+    /// Waits until it is time to begin the next frame. Throws scene::Failure where going on is impossible.
+    virtual Frame begin() = 0;
+    /// Hands over the frame begun last; its commands must have been submitted.
+    virtual void end(const Frame& frame) = 0;
+};
+
+} // namespace xr
