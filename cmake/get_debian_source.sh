@@ -1,11 +1,13 @@
 #!/usr/bin/env bash
-# get_debian_source.sh PACKAGE FOLDER: the upstream archive of one of this Debian's source packages, unpacked in FOLDER.
+# get_debian_source.sh PACKAGE FOLDER [SUITE]: the upstream archive of one of Debian's source packages, unpacked in FOLDER.
+# SUITE is a release of Debian; without it, this machine's own.
 #
 # Fetched through a private apt configuration whose mirror and keys are those the machine's own apt uses; apt checks the
 # archive against the signed index, and nothing of the machine's apt configuration is changed.
 set -euo pipefail
-package=${1:?usage: get_debian_source.sh PACKAGE FOLDER}
-folder=$(realpath -m "${2:?usage: get_debian_source.sh PACKAGE FOLDER}")
+package=${1:?usage: get_debian_source.sh PACKAGE FOLDER [SUITE]}
+folder=$(realpath -m "${2:?usage: get_debian_source.sh PACKAGE FOLDER [SUITE]}")
+suite=${3:-}
 fail() {
     printf 'get_debian_source: %s\n' "$*" >&2
     exit 1
@@ -26,7 +28,7 @@ mirror=$(apt-get indextargets --format '$(SITE)|$(RELEASE)|$(COMPONENT)' 'Create
 cat > "$part/apt/sources/main.sources" << END
 Types: deb-src
 URIs: $mirror
-Suites: $codename
+Suites: ${suite:-$codename}
 Components: main
 Signed-By: /usr/share/keyrings/debian-archive-keyring.gpg
 END
@@ -45,7 +47,7 @@ export APT_CONFIG=$part/apt/apt.conf
 cd "$part"
 { apt-get -q update && apt-get -q source --tar-only --download-only "$package"; } > "$part/log" 2>&1 < /dev/null || {
     tail -n 5 "$part/log" >&2
-    fail "apt cannot fetch the source of $package; see above"
+    fail "apt cannot fetch the source of $package from ${suite:-$codename}; see above"
 }
 archive=$(find . -maxdepth 1 -name '*.orig.tar.*' ! -name '*.asc' | head -n 1)
 [ -n "$archive" ] || fail "apt fetched no upstream archive of $package"
