@@ -45,7 +45,9 @@ struct Descriptor {
     }
 };
 
-std::string nameOf(Variant variant) { return variant == Variant::inproc ? "inproc" : "service"; }
+std::string nameOf(Variant variant) {
+    return variant == Variant::inproc ? "inproc" : "service";
+}
 
 std::string contentOf(const fs::path& path) {
     std::ifstream file(path, std::ios::binary);
@@ -54,7 +56,7 @@ std::string contentOf(const fs::path& path) {
 
 /// Settings that would lead OpenXR, Monado or Vulkan elsewhere than the test says.
 bool isOurs(std::string_view setting) {
-    constexpr std::array kNames{"DISPLAY=", "WAYLAND_DISPLAY=", "XDG_RUNTIME_DIR=", "XDG_CONFIG_HOME=",
+    constexpr std::array kNames{"DISPLAY=",          "WAYLAND_DISPLAY=", "XDG_RUNTIME_DIR=",    "XDG_CONFIG_HOME=",
                                 "VK_ICD_FILENAMES=", "VK_DRIVER_FILES=", "VK_ADD_DRIVER_FILES="};
     constexpr std::array kBeginnings{"XR_", "XRT_", "OXR_", "P_OVERRIDE_", "SIMULATED_", "IPC_", "U_PACING_"};
     const auto begins = [&](std::string_view beginning) { return setting.starts_with(beginning); };
@@ -75,7 +77,9 @@ fs::path lavapipe() {
 
 } // namespace
 
-bool isMonadoThere() { return fs::exists(kMonado / ".stamp"); }
+bool isMonadoThere() {
+    return fs::exists(kMonado / ".stamp");
+}
 
 Monado::Monado(Variant variant, const MonadoOptions& options) : variant_(variant), options_(options) {
     for (const char* name : {"run", "config", "config/monado"}) {
@@ -99,8 +103,9 @@ Monado::Monado(Variant variant, const MonadoOptions& options) : variant_(variant
         fail("cannot find a free port");
     port_ = ntohs(address.sin_port);
 
-    scene::writeFile(folder_ / "config/monado/config_v0.json", R"({"active": "remote", "remote": {"version": 0, "port": )" +
-                                                                   std::to_string(port_) + R"(, "view_count": 2}})");
+    scene::writeFile(folder_ / "config/monado/config_v0.json",
+                     R"({"active": "remote", "remote": {"version": 0, "port": )" + std::to_string(port_) +
+                         R"(, "view_count": 2}})");
 }
 
 Monado::~Monado() {
@@ -219,8 +224,12 @@ void Monado::restart() {
     start();
 }
 
-std::string Monado::serviceOutput() const { return contentOf(folder_ / "service.txt"); }
+std::string Monado::serviceOutput() const {
+    return contentOf(folder_ / "service.txt");
+}
 
-std::string Monado::validationMessages() const { return contentOf(folder_ / "validation.txt"); }
+std::string Monado::validationMessages() const {
+    return contentOf(folder_ / "validation.txt");
+}
 
 } // namespace xr

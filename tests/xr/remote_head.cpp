@@ -77,7 +77,8 @@ class Writer {
     }
 
     RemotePacket finished() const {
-        if (at_ != kRemotePacketBytes) throw std::logic_error("a packet for Monado of " + std::to_string(at_) + " bytes");
+        if (at_ != kRemotePacketBytes)
+            throw std::logic_error("a packet for Monado of " + std::to_string(at_) + " bytes");
         return packet_;
     }
 

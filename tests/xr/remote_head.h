@@ -1,5 +1,6 @@
 #pragma once
-// Steers the head and the controllers of Monado's driver `remote` (Monado in tests/xr/monado.h), over TCP on this machine.
+// Steers the head and the controllers of Monado's driver `remote` (Monado in tests/xr/monado.h), over TCP on this
+// machine.
 
 #include "scene/pose.h"
 
@@ -29,8 +30,8 @@ struct RemoteEye {
 struct RemoteController {
     bool active = true; ///< false: switched off, its pose is not known
     RemotePose stageFromGrip;
-    float trigger = 0, squeeze = 0;  ///< 0 to 1; the trigger clicks at 1
-    std::array<float, 2> stick{};    ///< right and ahead, -1 to 1
+    float trigger = 0, squeeze = 0; ///< 0 to 1; the trigger clicks at 1
+    std::array<float, 2> stick{};   ///< right and ahead, -1 to 1
     bool stickClick = false, a = false, b = false;
 };
 
