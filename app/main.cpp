@@ -130,7 +130,9 @@ void addWalk(CLI::App& program, app::WalkOptions& options, std::string& size, st
     CLI::App* walk = program.add_subcommand(
         "walk", "Walk through a scene in a headset (any OpenXR runtime), or without a display along a path.");
     walk->add_option("SCENE", options.scene, "folder that 'revisit build' made")->required();
-    walk->add_flag("--headless", options.isHeadless, "no headset and no window: along --path, frame by frame");
+    auto* desktop = walk->add_flag("--desktop", options.isAtDesk, "a window on the desk, even if there is a headset");
+    walk->add_flag("--headless", options.isHeadless, "no headset and no window: along --path, frame by frame")
+        ->excludes(desktop);
     walk->add_option("--path", options.path, "path file: where the walker is led, by time");
     walk->add_option("--record", options.record, "path file to write: where the head went");
     walk->add_option("--out", options.out, "folder for report.json, and for pictures with --picture-every");
@@ -144,11 +146,12 @@ void addWalk(CLI::App& program, app::WalkOptions& options, std::string& size, st
     walk->add_option("--size", size, "WxH of an eye without a display; default 640x480");
     addDrawOptions(*walk, options.draw);
     walk->add_option("--memory", memory, "what the scene may take, e.g. 8G")->capture_default_str();
-    refuse(*walk, "--desktop", "the window");
-    walk->footer("Examples:\n"
-                 "  revisit walk room.revisit                      # in the headset\n"
-                 "  revisit walk room.revisit --record walk.json   # and remember where the head went\n"
-                 "  revisit walk room.revisit --headless --path walk.json --out report");
+    walk->footer(
+        "Examples:\n"
+        "  revisit walk room.revisit                      # in the headset, or at the desk until there is one\n"
+        "  revisit walk room.revisit --desktop            # at the desk\n"
+        "  revisit walk room.revisit --record walk.json   # and remember where the head went\n"
+        "  revisit walk room.revisit --headless --path walk.json --out report");
 }
 
 int run(int argc, char** argv) {

@@ -10,6 +10,7 @@ namespace app {
 struct WalkOptions {
     std::filesystem::path scene;
     bool isHeadless = false;       ///< no runtime, no window; needs a path
+    bool isAtDesk = false;         ///< a window, no runtime
     std::filesystem::path path;    ///< where the walker is led; empty: the walker goes
     std::filesystem::path record;  ///< path file that is written at the end: the head in walk space
     std::filesystem::path out;     ///< folder for report.json and pictures; empty: no files

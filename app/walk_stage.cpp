@@ -18,37 +18,57 @@ render::DeviceMaker makerOf(const xr::Runtime& runtime) {
 
 } // namespace
 
-WalkStage WalkStage::inHeadset(const scene::Scene& scene) {
+void WalkStage::makeDevice(const scene::Scene& scene, const render::DeviceMaker& maker) {
+    device_ = std::make_unique<render::Device>(maker);
+    gpuScene_ = std::make_unique<render::GpuScene>(*device_, scene.blocks);
+}
+
+WalkStage WalkStage::inHeadset(const scene::Scene& scene, std::unique_ptr<xr::Runtime> runtime) {
     WalkStage stage;
-    stage.runtime_ = std::make_unique<xr::Runtime>();
+    stage.runtime_ = std::move(runtime);
     stage.name_ = stage.runtime_->name();
-    stage.device_ = std::make_unique<render::Device>(makerOf(*stage.runtime_));
+    stage.makeDevice(scene, makerOf(*stage.runtime_));
     const render::Device& device = *stage.device_;
-    auto headset = std::make_unique<xr::Headset>(
+    stage.headset_ = std::make_unique<xr::Headset>(
         *stage.runtime_, xr::VulkanHandles{device.instance(), device.physical(), device, device.queueFamily()});
-    stage.headset_ = headset.get();
-    stage.source_ = std::move(headset);
-    stage.makeRenderer(scene);
+    stage.actions_ = std::make_unique<input::Actions>(
+        stage.runtime_->instance(), [&](const char* extension) { return stage.runtime_->has(extension); });
+    stage.actions_->attach(stage.headset_->session(), stage.headset_->trackingSpace());
+    stage.source_ = stage.headset_.get();
+    stage.rendererFor(stage.source());
+    return stage;
+}
+
+WalkStage WalkStage::atDesk(const scene::Scene& scene, xr::Desktop& desktop) {
+    WalkStage stage;
+    stage.name_ = "the desk";
+    stage.makeDevice(scene, {});
+    stage.source_ = &desktop;
     return stage;
 }
 
 WalkStage WalkStage::headless(const scene::Scene& scene, xr::Headless::Path path, const WalkOptions& options) {
     WalkStage stage;
     stage.name_ = "no display";
-    stage.device_ = std::make_unique<render::Device>();
+    stage.makeDevice(scene, {});
     xr::HeadlessOptions headless;
     headless.width = options.width, headless.height = options.height;
     headless.eyeDistanceMetres = options.draw.eyeDistanceMetres;
     headless.framesPerSecond = options.framesPerSecond;
-    stage.source_ = std::make_unique<xr::Headless>(std::move(path), headless);
-    stage.makeRenderer(scene);
+    stage.headless_ = std::make_unique<xr::Headless>(std::move(path), headless);
+    stage.source_ = stage.headless_.get();
+    stage.rendererFor(stage.source());
     return stage;
 }
 
-void WalkStage::makeRenderer(const scene::Scene& scene) {
-    gpuScene_ = std::make_unique<render::GpuScene>(*device_, scene.blocks);
-    renderer_ = std::make_unique<render::Renderer>(*device_, *gpuScene_, source_->width(), source_->height(),
-                                                   static_cast<int>(xr::kEyes));
+render::Renderer& WalkStage::rendererFor(const xr::ViewSource& source) {
+    std::unique_ptr<render::Renderer>& renderer = renderers_[&source == source_ ? 0 : 1];
+    if (renderer != nullptr && renderer->width() == source.width() && renderer->height() == source.height() &&
+        renderer->eyes() == source.eyes())
+        return *renderer;
+    renderer.reset(); // before the new one takes as much memory
+    renderer = std::make_unique<render::Renderer>(*device_, *gpuScene_, source.width(), source.height(), source.eyes());
+    return *renderer;
 }
 
 bool WalkStage::requestEnd() {

@@ -1,27 +1,38 @@
 #pragma once
 // All that stands between a scene and somebody's eyes: where the views come from, the device they are drawn on, and the
-// renderer. Made anew, whole, when a headset comes back: its runtime may hang on another device.
+// renderer. Made anew, whole, when a headset comes or goes: its runtime may hang on another device.
 
 #include "app/walk_scene.h"
 
+#include "input/actions.h"
 #include "render/renderer.h"
 #include "scene/scene.h"
+#include "xr/desktop.h"
 #include "xr/headless.h"
 #include "xr/headset.h"
 
+#include <array>
 #include <memory>
 
 namespace app {
 
 class WalkStage {
   public:
-    /// A headset at the OpenXR runtime of this machine. Throws scene::Failure if there is none.
-    static WalkStage inHeadset(const scene::Scene& scene);
+    /// A headset at an OpenXR runtime of this machine. Throws scene::Failure or xr::Lost.
+    static WalkStage inHeadset(const scene::Scene& scene, std::unique_ptr<xr::Runtime> runtime);
+    /// At the desk; desktop must outlive it.
+    static WalkStage atDesk(const scene::Scene& scene, xr::Desktop& desktop);
     /// No display; along a path.
     static WalkStage headless(const scene::Scene& scene, xr::Headless::Path path, const WalkOptions& options);
 
     xr::ViewSource& source() { return *source_; }
-    render::Renderer& renderer() { return *renderer_; }
+    /// Null if nobody wears one.
+    xr::Headset* headset() { return headset_.get(); }
+    input::Actions* actions() { return actions_.get(); }
+    /// One that fits the source's pictures; made anew when they have changed their size. The headset's, and one for
+    /// those at the desk.
+    render::Renderer& rendererFor(const xr::ViewSource& source);
+
     const render::Device& device() const { return *device_; }
     const render::GpuScene& gpuScene() const { return *gpuScene_; }
     const std::string& name() const { return name_; } ///< what the walker looks through
@@ -29,16 +40,18 @@ class WalkStage {
     bool requestEnd();
 
   private:
-    void makeRenderer(const scene::Scene& scene);
+    void makeDevice(const scene::Scene& scene, const render::DeviceMaker& maker);
 
     // In the order in which they are made; the last goes first.
     std::string name_;
     std::unique_ptr<xr::Runtime> runtime_;
     std::unique_ptr<render::Device> device_;
     std::unique_ptr<render::GpuScene> gpuScene_;
-    std::unique_ptr<xr::ViewSource> source_;
-    xr::Headset* headset_ = nullptr;
-    std::unique_ptr<render::Renderer> renderer_;
+    std::unique_ptr<xr::Headset> headset_;
+    std::unique_ptr<input::Actions> actions_;
+    std::unique_ptr<xr::Headless> headless_;
+    xr::ViewSource* source_ = nullptr;
+    std::array<std::unique_ptr<render::Renderer>, 2> renderers_; ///< the stage's own source, any other
 };
 
 } // namespace app

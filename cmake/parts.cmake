@@ -9,9 +9,22 @@ find_package(nlohmann_json REQUIRED)
 find_package(CLI11 REQUIRED)
 find_package(embree 3 REQUIRED)
 find_package(XercesC REQUIRED)
-find_package(OpenCV REQUIRED COMPONENTS core imgproc imgcodecs calib3d)
+find_package(OpenCV REQUIRED COMPONENTS core imgproc imgcodecs calib3d videoio)
 pkg_check_modules(HWY REQUIRED IMPORTED_TARGET libhwy)
 pkg_check_modules(XXHASH REQUIRED IMPORTED_TARGET libxxhash)
+
+pkg_check_modules(OPENXR REQUIRED IMPORTED_TARGET openxr)
+pkg_check_modules(STB REQUIRED IMPORTED_TARGET stb)
+find_package(glfw3 3.3 REQUIRED)
+find_package(OpenGL REQUIRED COMPONENTS OpenGL)
+
+# Dear ImGui as Debian builds it: its Vulkan backend calls Vulkan by name, where volk has variables of those names, so
+# windows draw with OpenGL.
+find_path(IMGUI_INCLUDE imgui.h PATH_SUFFIXES imgui REQUIRED)
+find_library(IMGUI_LIBRARY imgui REQUIRED)
+add_library(revisit_imgui INTERFACE)
+target_include_directories(revisit_imgui SYSTEM INTERFACE ${IMGUI_INCLUDE})
+target_link_libraries(revisit_imgui INTERFACE ${IMGUI_LIBRARY} PkgConfig::STB glfw OpenGL::GL)
 
 find_program(GLSLANG glslangValidator REQUIRED)
 

@@ -45,6 +45,15 @@ void CommandStreams::wait(std::size_t slot) {
             vkWaitForFences(device_, 1, stream.finished.address(), VK_TRUE, std::numeric_limits<std::uint64_t>::max()));
 }
 
+bool CommandStreams::isDone(std::size_t slot) const {
+    for (const Stream& stream : slots_[slot]) {
+        const VkResult status = vkGetFenceStatus(device_, stream.finished);
+        if (status == VK_NOT_READY) return false;
+        check(status);
+    }
+    return true;
+}
+
 VkCommandBuffer CommandStreams::begin(std::size_t slot, int eye) {
     const Stream& stream = slots_[slot][static_cast<std::size_t>(eye)];
     check(vkResetCommandPool(device_, stream.pool, 0));

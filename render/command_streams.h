@@ -23,6 +23,8 @@ class CommandStreams {
 
     /// Waits until the frame that used this slot (0 to kFramesInFlight - 1) before has finished.
     void wait(std::size_t slot);
+    /// Whether it has; does not wait.
+    bool isDone(std::size_t slot) const;
     /// Starts an eye's commands anew; the slot must have been waited for. Different eyes may be recorded by
     /// different threads.
     VkCommandBuffer begin(std::size_t slot, int eye);

@@ -25,6 +25,9 @@ constexpr Barrier kAfterWarp{kCompute, kRead | kWrite, kCompute, kRead};
 constexpr Barrier kAfterResolve{kCompute, kWrite, VK_PIPELINE_STAGE_HOST_BIT | kTransfer,
                                 VK_ACCESS_HOST_READ_BIT | VK_ACCESS_TRANSFER_READ_BIT};
 
+constexpr Barrier kAfterKeeping{kTransfer, VK_ACCESS_TRANSFER_WRITE_BIT, VK_PIPELINE_STAGE_HOST_BIT,
+                                VK_ACCESS_HOST_READ_BIT};
+
 std::uint32_t resolveWorkgroupSize(const Device& device) {
     return device.isProcessor() ? static_cast<std::uint32_t>(device.subgroupSize()) : 128;
 }
@@ -42,6 +45,7 @@ Renderer::Renderer(const Device& device, const GpuScene& scene, int width, int h
     for (int eye = 0; eye < eyes; ++eye)
         eyes_.push_back({makeEyeTarget(device, eyeLayout_, width, height, scene.tiles().size()),
                          {StepTimer(device), StepTimer(device)},
+                         {},
                          {},
                          {},
                          {},
@@ -67,6 +71,9 @@ FrameStats Renderer::draw(std::span<const scene::View> views, const Quality& qua
         prepare(eyes_[i], views[i], quality, slot, index);
         recordCommands(eyes_[i], quality, outputs.empty() ? EyeOutput{} : outputs[i], slot, index);
     });
+    keptFrames_[slot].reset();
+    if (keepsNext_) keptFrames_[slot] = frames_;
+    keepsNext_ = false;
     timed(stats.cpu, "submit", kWholeFrame, [&] { streams_.submit(slot); });
 
     for (std::size_t i = 0; i < eyes_.size(); ++i) {
@@ -127,8 +134,18 @@ void Renderer::recordCommands(Eye& eye, const Quality& quality, const EyeOutput&
         record(commands, kAfterResolve);
         timer.mark(commands, "resolve");
 
+        if (keepsNext_) recordKeeping(commands, eye, slot);
         if (output.image != VK_NULL_HANDLE) recordOutput(commands, eye.target, width_, height_, output);
     });
+}
+
+void Renderer::recordKeeping(VkCommandBuffer commands, Eye& eye, std::size_t slot) const {
+    const Buffer& colours = eye.target.colours;
+    if (eye.kept[slot].handle() == VK_NULL_HANDLE)
+        eye.kept[slot] = Buffer(device_, colours.size(), VK_BUFFER_USAGE_TRANSFER_DST_BIT, MemoryUse::hostReads);
+    const VkBufferCopy whole{0, 0, colours.size()};
+    vkCmdCopyBuffer(commands, colours.handle(), eye.kept[slot].handle(), 1, &whole);
+    record(commands, kAfterKeeping);
 }
 
 void Renderer::recordResolve(VkCommandBuffer commands, VkDescriptorSet eyeSet) const {
@@ -152,6 +169,24 @@ FrameStats Renderer::finish() {
     last_.gpuFrame = last_.frame;
     readTimes(slot, last_.gpu);
     return last_;
+}
+
+bool Renderer::takeKept(FramePictures& pictures) {
+    std::optional<std::size_t> newest;
+    for (std::size_t slot = 0; slot < keptFrames_.size(); ++slot)
+        if (keptFrames_[slot] && (!newest || *keptFrames_[slot] > *keptFrames_[*newest]) && streams_.isDone(slot))
+            newest = slot;
+    if (!newest) return false;
+    pictures.frame = *keptFrames_[*newest];
+    pictures.width = width_, pictures.height = height_;
+    pictures.eyes.resize(eyes_.size());
+    for (std::size_t i = 0; i < eyes_.size(); ++i) {
+        const auto pixels = eyes_[i].kept[*newest].as<const std::uint32_t>();
+        pictures.eyes[i].assign(pixels.begin(), pixels.end());
+    }
+    for (std::optional<std::uint64_t>& frame : keptFrames_)
+        if (frame && *frame <= pictures.frame) frame.reset();
+    return true;
 }
 
 std::vector<EyeImage> Renderer::readBack() {

@@ -15,6 +15,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -47,6 +48,17 @@ class Renderer {
     /// Waits for the last frame and tells about it, its own times on the device included.
     FrameStats finish();
 
+    int width() const { return width_; }
+    int height() const { return height_; }
+    int eyes() const { return static_cast<int>(eyes_.size()); }
+
+    /// The pictures of the next frame are kept for takeKept, at the price of a copy on the device.
+    void keepNext() { keepsNext_ = true; }
+
+    /// The pictures of the newest frame that was kept, has finished and was not taken yet. Does not wait; false, and
+    /// `pictures` as it was, if there is none.
+    bool takeKept(FramePictures& pictures);
+
     /// Waits for the last frame and returns its pictures, an eye each. At least one frame must have been
     /// drawn.
     std::vector<EyeImage> readBack();
@@ -62,9 +74,11 @@ class Renderer {
         VisibleTiles visible;
         DrawList list;
         std::vector<StepTime> times;
+        std::array<Buffer, kFramesInFlight> kept{}; ///< copies of the colours; made when first wanted
     };
     void prepare(Eye& eye, const scene::View& view, const Quality& quality, std::size_t slot, int index);
     void recordCommands(Eye& eye, const Quality& quality, const EyeOutput& output, std::size_t slot, int index);
+    void recordKeeping(VkCommandBuffer commands, Eye& eye, std::size_t slot) const;
     void recordResolve(VkCommandBuffer commands, VkDescriptorSet eyeSet) const;
     void readTimes(std::size_t slot, std::vector<StepTime>& times) const;
 
@@ -76,6 +90,8 @@ class Renderer {
     ComputePipeline resolve_;
     std::vector<Eye> eyes_;
     std::uint64_t frames_ = 0; ///< drawn so far
+    bool keepsNext_ = false;
+    std::array<std::optional<std::uint64_t>, kFramesInFlight> keptFrames_; ///< by slot; not taken yet
     FrameStats last_;
     CommandStreams streams_; ///< goes first: it waits for the device
 };

@@ -31,6 +31,13 @@ class Headset final : public ViewSource {
     Frame begin() override;
     void end(const Frame& frame) override;
 
+    /// For whoever asks the runtime about controllers.
+    XrSession session() const { return session_; }
+    XrSpace trackingSpace() const { return tracking_; }
+    XrTime displayTime() const { return displayTime_; } ///< of the frame begun last
+    /// Whether the session runs: somebody wears it, or soon will.
+    bool isRunning() const { return isRunning_; }
+
     /// Asks the runtime to end the session; Frame::Kind::end follows.
     void requestExit();
 

@@ -14,7 +14,8 @@ constexpr const char* kGetARuntime =
     "start the headset's software and make it the active OpenXR runtime, or walk without: --headless";
 
 /// Wanted where offered; the first is needed.
-constexpr const char* kExtensions[] = {XR_KHR_VULKAN_ENABLE2_EXTENSION_NAME};
+constexpr const char* kExtensions[] = {XR_KHR_VULKAN_ENABLE2_EXTENSION_NAME,
+                                       "XR_EXT_hand_interaction"}; // newer than Debian's headers
 
 std::vector<XrExtensionProperties> listExtensions() {
     std::uint32_t count = 0;

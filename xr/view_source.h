@@ -42,9 +42,11 @@ class ViewSource {
     ViewSource(const ViewSource&) = delete;
     ViewSource& operator=(const ViewSource&) = delete;
 
-    /// Pixels of each eye's picture; stays the same.
+    /// Pixels of each eye's picture; begin() alone may change it, and only at the desk.
     virtual int width() const = 0;
     virtual int height() const = 0;
+    /// How many of a frame's eyes are to be drawn, the first ones.
+    virtual int eyes() const { return static_cast<int>(kEyes); }
 
     /// Waits until it is time to begin the next frame. Throws scene::Failure where going on is impossible.
     virtual Frame begin() = 0;

@@ -1,0 +1,19 @@
+#pragma once
+// The panel over the window: what the walk costs, and every knob (Dear ImGui).
+
+#include "app/desk.h"
+
+namespace app {
+
+/// What concerns the window alone.
+struct PanelState {
+    bool isOpen = true;
+    bool showsUnseen = false; ///< tints what was filled, and what nobody saw
+    bool isFilming = false;
+    enum class View { walker, left, both } view = View::walker;
+};
+
+/// Between ImGui's frames. Changes state and knobs as its user says.
+void drawPanel(const WalkFacts& facts, PanelState& state, Knobs& knobs);
+
+} // namespace app

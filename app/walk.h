@@ -1,0 +1,74 @@
+#pragma once
+// One person's walk: frame by frame from the source of views through the walker's wishes to the pictures. It goes on at
+// the desk when the headset goes away, and in the headset when that comes back.
+
+#include "app/desk.h"
+#include "app/walk_record.h"
+#include "app/walk_stage.h"
+
+#include <future>
+#include <optional>
+
+namespace app {
+
+/// The window's side of a walk, where there is a window.
+struct DeskSide {
+    Desk& desk;
+    xr::Desktop& desktop;
+};
+
+class Walk {
+  public:
+    /// All must outlive it. deskSide may be null.
+    Walk(const scene::Scene& scene, const WalkOptions& options, DeskSide* deskSide);
+
+    /// Until the end; in any thread. Throws scene::Failure.
+    void run();
+
+    static Knobs knobsOf(const WalkOptions& options);
+
+    /// Asks a walk to end as the walker would; safe in a signal handler. Holds for the next ones, too.
+    static void askToEnd();
+    static void forgetAskedToEnd();
+
+  private:
+    enum class Outcome { over, headsetGone, headsetThere };
+    WalkStage firstStage();
+    Outcome walkOn(WalkStage& stage);
+    /// The next stage after that outcome; none if it is over.
+    bool change(Outcome outcome, std::optional<WalkStage>& stage);
+    /// Waits for a headset where there is no desk to walk at meanwhile; false if asked to end.
+    bool waitForHeadset(std::optional<WalkStage>& stage);
+    bool isAskedToEnd() const;
+
+    void drawFrame(WalkStage& stage, xr::ViewSource& source, const xr::Frame& frame);
+    void draw(WalkStage& stage, xr::ViewSource& source, const xr::Frame& frame);
+    void mirror(render::Renderer& renderer, const WalkStage& stage, bool isAtDesk, const xr::Frame& frame);
+    input::Wants hearWants(WalkStage& stage, const xr::Frame& frame);
+    void lead(const xr::Frame& frame);
+    /// Looks for a headset in another thread, now and then. True once there is one; found_ is its runtime.
+    bool seekHeadset();
+    void say(const std::string& notice);
+    nlohmann::json reportOf(const WalkStage& stage) const;
+
+    const scene::Scene& scene_;
+    const WalkOptions& options_;
+    DeskSide* deskSide_;
+    Knobs knobs_;
+    scene::Pose worldFromWalk_, walkFromTracking_;
+    xr::Headless::Path path_;
+    std::optional<scene::Pose> firstHead_;
+    WalkRecord record_;
+    FrameReport report_;
+    nlohmann::json lastReport_;
+    render::FrameStats stats_;
+    render::FramePictures mirrored_;
+    WalkFacts facts_;
+    std::future<std::unique_ptr<xr::Runtime>> sought_;
+    std::unique_ptr<xr::Runtime> found_;
+    std::chrono::steady_clock::time_point soughtAt_, frameAt_;
+    std::size_t frame_ = 0;
+    bool wasTracked_ = true;
+};
+
+} // namespace app

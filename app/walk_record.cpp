@@ -1,0 +1,50 @@
+#include "app/walk_record.h"
+
+#include "app/frame_pictures.h"
+#include "app/stage_store.h"
+
+#include <cstdio>
+
+namespace app {
+
+using nlohmann::json;
+
+void WalkRecord::addPose(double seconds, const scene::Pose& walkFromHead) {
+    if (options_.record.empty()) return;
+    const glm::dvec3& p = walkFromHead.translation;
+    const glm::dvec4 q = quaternionOf(walkFromHead);
+    poses_.push_back({{"t", seconds}, {"position", {p.x, p.y, p.z}}, {"orientation", {q.x, q.y, q.z, q.w}}});
+}
+
+bool WalkRecord::wantsPicture(int frame) const {
+    return options_.pictureEvery > 0 && !options_.out.empty() && frame % options_.pictureEvery == 0;
+}
+
+void WalkRecord::addPicture(int frame, std::size_t eye, const scene::View& view, render::EyeImage image) {
+    char name[64];
+    std::snprintf(name, sizeof name, "frame-%06d-%s", frame, eye == 0 ? "left" : "right");
+    writePictures(image, options_.out, name, false);
+    json rows = json::array();
+    const glm::dmat4 m = toMatrix(view.worldFromEye);
+    for (int i = 0; i < 16; ++i)
+        rows.push_back(m[i % 4][i / 4]);
+    const scene::Camera& c = view.camera;
+    cameras_.push_back({{"name", name},
+                        {"width", c.width},
+                        {"height", c.height},
+                        {"fx", c.fx},
+                        {"fy", c.fy},
+                        {"cx", c.cx},
+                        {"cy", c.cy},
+                        {"world_from_camera", rows}});
+}
+
+void WalkRecord::write(const json& report) const {
+    if (!options_.record.empty())
+        writeWhole(options_.record, json{{"space", "walk"}, {"poses", poses_}}.dump(1) + "\n");
+    if (!cameras_.empty()) writeWhole(options_.out / "cameras.json", json{{"cameras", cameras_}}.dump(1) + "\n");
+    if (!options_.out.empty())
+        writeWhole(options_.out / "report.json", report.dump(1, ' ', false, json::error_handler_t::replace) + "\n");
+}
+
+} // namespace app

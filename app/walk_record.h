@@ -1,0 +1,29 @@
+#pragma once
+// What a walk leaves behind: where the head went, pictures of what the eyes were given, figures.
+
+#include "app/frame_report.h"
+#include "app/walk_scene.h"
+
+#include "scene/view.h"
+
+namespace app {
+
+class WalkRecord {
+  public:
+    /// options must outlive it.
+    explicit WalkRecord(const WalkOptions& options) : options_(options) {}
+
+    void addPose(double seconds, const scene::Pose& walkFromHead);
+    bool wantsPicture(int frame) const;
+    /// What the eye was given, and the camera it was given for.
+    void addPicture(int frame, std::size_t eye, const scene::View& view, render::EyeImage image);
+
+    /// The files that were asked for, whole. Throws scene::Failure.
+    void write(const nlohmann::json& report) const;
+
+  private:
+    const WalkOptions& options_;
+    nlohmann::json poses_ = nlohmann::json::array(), cameras_ = nlohmann::json::array();
+};
+
+} // namespace app
