@@ -33,7 +33,7 @@ if [ -e "$prefix" ] && [ ! -e "$stamp" ] && [ -n "$(ls -A "$prefix")" ]; then
 fi
 
 for tool in apt-get dpkg-source cmake ninja c++ pkg-config python3 glslangValidator tar xz; do
-    command -v "$tool" >/dev/null || fail "$tool is missing; ./dev names the packages (build_packages, runtime_packages)"
+    command -v "$tool" >/dev/null || fail "$tool is missing; ./dev names the packages (build_packages, test_packages)"
 done
 
 rm -rf "$part"

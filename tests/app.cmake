@@ -22,3 +22,9 @@ revisit_program_test(revisit_world_tests LABELS programs
 # What the programs are made of.
 revisit_test(revisit_app_unit_tests LABELS unit LINKS app nlohmann_json::nlohmann_json
     SOURCES app/stage_store_test.cpp app/view_files_test.cpp)
+
+# The window, with real keys, on a screen without a monitor.
+find_package(X11 REQUIRED)
+revisit_program_test(revisit_desktop_tests LABELS programs TIMEOUT 300
+    SOURCES app/comparison.cpp app/desktop_test.cpp app/program.cpp app/screen.cpp)
+target_link_libraries(revisit_desktop_tests PRIVATE X11::X11)

@@ -1,0 +1,149 @@
+// The real window on a screen without a monitor, with real keys and a real mouse.
+
+#include "tests/app/comparison.h"
+#include "tests/app/program.h"
+#include "tests/app/screen.h"
+#include "tests/scene/scratch_folder.h"
+
+#include <gtest/gtest.h>
+
+#include <opencv2/imgcodecs.hpp>
+
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <fstream>
+#include <thread>
+
+namespace app {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::string kRevisit = REVISIT_PROGRAM, kMakeSample = REVISIT_MAKE_SAMPLE;
+
+/// A small scene, a screen, and the program on it.
+class Desktop : public testing::Test {
+  protected:
+    void SetUp() override {
+        if (!canHaveScreen()) GTEST_SKIP() << "Xvfb, xdotool or import is missing";
+        const fs::path capture = scratch_ / "capture";
+        const Outcome made = run(
+            {kMakeSample, capture.string(), "--scene", "room", "--images", "6", "--size", "320x240"}, scratch_.path());
+        ASSERT_EQ(made.status, 0) << made.output;
+        const Outcome built = run({kRevisit, "build", capture.string(), "-o", scene()}, scratch_.path());
+        ASSERT_EQ(built.status, 0) << built.output;
+        screen_.emplace();
+    }
+
+    void TearDown() override {
+        if (walk_ > 0) kill(walk_, SIGKILL);
+    }
+
+    std::string scene() const { return (scratch_ / "room.revisit").string(); }
+
+    void startWalk(std::vector<std::string> options) {
+        std::vector<std::string> command{kRevisit, "walk", scene(), "--desktop"};
+        command.insert(command.end(), options.begin(), options.end());
+        walk_ = start(screen_->around(scratch_.path().string(), command), log_);
+        ASSERT_TRUE(screen_->focus("Revisit")) << waitFor().output;
+    }
+
+    Outcome waitFor() {
+        const pid_t walk = walk_;
+        walk_ = 0;
+        return app::waitFor(walk, log_);
+    }
+
+    std::string log() const {
+        std::ifstream file(log_, std::ios::binary);
+        return {std::istreambuf_iterator<char>(file), {}};
+    }
+
+    /// Hits a key again and again until the program has said a word so often; false if it never does.
+    bool hitUntilSaid(const std::string& key, const std::string& word, int times) {
+        const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+        while (std::chrono::steady_clock::now() < deadline) {
+            screen_->act({"key", key});
+            std::this_thread::sleep_for(std::chrono::milliseconds(100));
+            int said = 0;
+            const std::string text = log();
+            for (std::size_t at = text.find(word); at != std::string::npos; at = text.find(word, at + 1))
+                ++said;
+            if (said >= times) return true;
+        }
+        return false;
+    }
+
+    fs::path onlyFile(const std::string& ending) const {
+        fs::path found;
+        for (const auto& entry : fs::directory_iterator(scratch_.path()))
+            if (entry.path().filename().string().starts_with("revisit-") && entry.path().extension() == ending)
+                if (found.empty() || entry.path() < found) found = entry.path();
+        return found;
+    }
+
+    scene::ScratchFolder scratch_;
+    std::optional<Screen> screen_;
+    pid_t walk_ = 0;
+    fs::path log_ = scratch_ / "walk.txt";
+};
+
+TEST_F(Desktop, TheScreenshotIsWhatRenderDrawsFromThere) {
+    const fs::path out = scratch_ / "out", frames = scratch_ / "frames";
+    startWalk({"--out", out.string(), "--picture-every", "1000000"});
+    ASSERT_TRUE(hitUntilSaid("F12", "kept revisit-", 1)) << log();
+    EXPECT_TRUE(screen_->grab((scratch_ / "window.png").string()));
+    screen_->act({"key", "Escape"});
+    const Outcome ended = waitFor();
+    ASSERT_EQ(ended.status, 0) << ended.output;
+
+    const Outcome drawn = run({kRevisit, "render", scene(), "--out", frames.string(), "--cameras",
+                               (out / "cameras.json").string(), "--eyes", "1"},
+                              scratch_.path());
+    ASSERT_EQ(drawn.status, 0) << drawn.output;
+    const cv::Mat3b shot = cv::imread(onlyFile(".png").string(), cv::IMREAD_COLOR),
+                    truth = cv::imread((frames / "frame-000000-left.png").string(), cv::IMREAD_COLOR);
+    ASSERT_FALSE(shot.empty());
+    ASSERT_EQ(shot.size(), truth.size());
+    EXPECT_EQ(cv::norm(shot, truth, cv::NORM_INF), 0) << "nobody has moved";
+    EXPECT_GT(cv::mean(truth)[1], 20) << "there is something to see";
+
+    // And the window shows it: without the panel's part, and what scaling to the window costs.
+    const cv::Mat3b window = cv::imread((scratch_ / "window.png").string(), cv::IMREAD_COLOR);
+    ASSERT_EQ(window.size(), shot.size());
+    const cv::Rect free(400, 100, 800, 600);
+    EXPECT_GE(psnr(window(free), shot(free), cv::Mat1b(free.size(), std::uint8_t{1})), 45);
+}
+
+TEST_F(Desktop, AFilmIsKept) {
+    startWalk({});
+    ASSERT_TRUE(hitUntilSaid("F9", "kept revisit-", 1)) << log();
+    screen_->act({"key", "Escape"});
+    EXPECT_EQ(waitFor().status, 0);
+    EXPECT_GT(fs::file_size(onlyFile(".avi")), 10000u);
+}
+
+TEST_F(Desktop, AWindowClosedInTheMiddleEndsTheWalkAndKeepsWhatWasRecorded) {
+    const fs::path path = scratch_ / "path.json";
+    startWalk({"--record", path.string()});
+    ASSERT_TRUE(hitUntilSaid("F12", "kept revisit-", 1)) << log();
+    screen_->closeWindow();
+    const Outcome ended = waitFor();
+    EXPECT_EQ(ended.status, 0) << ended.output;
+    EXPECT_GE(readJson(path).at("poses").size(), 1u);
+}
+
+TEST_F(Desktop, WithoutADisplayOneLineSaysSo) {
+    const Outcome ended =
+        run({"/usr/bin/env", "-u", "DISPLAY", "-u", "WAYLAND_DISPLAY", kRevisit, "walk", scene(), "--desktop"},
+            scratch_.path());
+    EXPECT_EQ(ended.status, 1);
+    EXPECT_NE(ended.output.find("revisit: the desktop: no display answers"), std::string::npos) << ended.output;
+    EXPECT_EQ(std::count(ended.output.begin(), ended.output.end(), '\n'), 1) << ended.output;
+}
+
+} // namespace
+
+} // namespace app
