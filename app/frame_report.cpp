@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
+#include <limits>
 
 namespace app {
 
@@ -14,6 +16,32 @@ using nlohmann::json;
 std::string stepName(const char* unit, const render::StepTime& time) {
     const char* eye = time.eye == render::kWholeFrame ? "" : time.eye == 0 ? ".left" : ".right";
     return std::string(unit) + "." + time.step + eye;
+}
+
+/// When each step began and ended, from the first one on: which ran at the same time.
+json traceOf(const std::vector<render::StepTime>& times) {
+    json trace = json::array();
+    double first = std::numeric_limits<double>::infinity();
+    for (const render::StepTime& time : times)
+        first = std::min(first, time.startMilliseconds);
+    for (const render::StepTime& time : times) {
+        const double start = time.startMilliseconds - first;
+        const char* const eye = time.eye == render::kWholeFrame ? "both" : time.eye == 0 ? "left" : "right";
+        trace.push_back(
+            {{"step", time.step}, {"eye", eye}, {"start_ms", start}, {"end_ms", start + time.milliseconds}});
+    }
+    return trace;
+}
+
+/// From the first eye's culling until both are submitted.
+double processorMilliseconds(const render::FrameStats& stats) {
+    double start = std::numeric_limits<double>::infinity(), end = 0;
+    for (const render::StepTime& time : stats.cpu) {
+        if (std::strcmp(time.step, "wait") == 0) continue;
+        start = std::min(start, time.startMilliseconds);
+        end = std::max(end, time.startMilliseconds + time.milliseconds);
+    }
+    return end > start ? end - start : 0;
 }
 
 } // namespace
@@ -30,7 +58,9 @@ json spreadOf(std::vector<double> values) {
 
 void FrameReport::add(const std::string&, const render::FrameStats& stats, double wallMilliseconds) {
     ++frames_;
+    last_ = stats;
     milliseconds_["wall.frame"].push_back(wallMilliseconds);
+    milliseconds_["cpu.frame"].push_back(processorMilliseconds(stats));
     for (const render::StepTime& time : stats.cpu)
         milliseconds_[stepName("cpu", time)].push_back(time.milliseconds);
     for (const render::StepTime& time : stats.gpu)
@@ -61,6 +91,7 @@ json FrameReport::summarise(const render::Device& device, const render::GpuScene
     if (!frame.is_null()) report["frames_per_second_median"] = 1000.0 / std::max(frame["median"].get<double>(), 1e-6);
     report["cpu_ms"] = cpu;
     report["gpu_ms"] = gpu;
+    report["last_frame"] = {{"cpu", traceOf(last_.cpu)}, {"gpu", traceOf(last_.gpu)}};
     report["tiles_tested"] = spreadOf(tested_);
     report["tiles_rejected"] = spreadOf(rejected_);
     report["tiles_drawn"] = spreadOf(drawn_);

@@ -28,6 +28,7 @@ class FrameReport {
     std::map<std::string, std::vector<double>> milliseconds_; ///< by "cpu.cull.left" and so on
     std::vector<double> tested_, rejected_, drawn_, samples_;
     std::size_t frames_ = 0;
+    render::FrameStats last_;
 };
 
 /// {"median", "p95", "p99", "max"} of some numbers.

@@ -106,7 +106,11 @@ void addDrawOptions(CLI::App& command, app::DrawOptions& options) {
     refuse(command, "--quality", "the speed and accuracy table");
 }
 
-void addRender(CLI::App& program, app::RenderOptions& options, std::string& size, std::string& memory) {
+void addThreads(CLI::App& command, int& threads) {
+    command.add_option("--threads", threads, "0: all")->check(CLI::Range(0, 1024))->capture_default_str();
+}
+
+void addRender(CLI::App& program, app::RenderOptions& options, std::string& size, std::string& memory, int& threads) {
     CLI::App* render = program.add_subcommand(
         "render", "Draw a scene into picture files, in stereo along a path or from given cameras.");
     render->add_option("SCENE", options.scene, "folder that 'revisit build' made")->required();
@@ -120,13 +124,14 @@ void addRender(CLI::App& program, app::RenderOptions& options, std::string& size
     render->add_flag("--aux", options.aux, "write depth and class, too");
     addDrawOptions(*render, options.draw);
     render->add_option("--memory", memory, "what the scene may take, e.g. 8G")->capture_default_str();
+    addThreads(*render, threads);
     refuse(*render, "--overlay", "walk cells");
     render->footer("Examples:\n"
                    "  revisit render room.revisit --out frames --path walk.json\n"
                    "  revisit render room.revisit --out frames --cameras cameras.json --eyes 1 --aux --warp mesh");
 }
 
-void addWalk(CLI::App& program, app::WalkOptions& options, std::string& size, std::string& memory) {
+void addWalk(CLI::App& program, app::WalkOptions& options, std::string& size, std::string& memory, int& threads) {
     CLI::App* walk = program.add_subcommand(
         "walk", "Walk through a scene in a headset (any OpenXR runtime), or without a display along a path.");
     walk->add_option("SCENE", options.scene, "folder that 'revisit build' made")->required();
@@ -146,6 +151,7 @@ void addWalk(CLI::App& program, app::WalkOptions& options, std::string& size, st
     walk->add_option("--size", size, "WxH of an eye without a display; default 640x480");
     addDrawOptions(*walk, options.draw);
     walk->add_option("--memory", memory, "what the scene may take, e.g. 8G")->capture_default_str();
+    addThreads(*walk, threads);
     walk->footer(
         "Examples:\n"
         "  revisit walk room.revisit                      # in the headset, or at the desk until there is one\n"
@@ -170,8 +176,8 @@ int run(int argc, char** argv) {
     bool infoAsJson = false;
     int threads = 0;
     addBuild(program, buildOptions, memory, threads);
-    addRender(program, renderOptions, size, memory);
-    addWalk(program, walkOptions, size, memory);
+    addRender(program, renderOptions, size, memory, threads);
+    addWalk(program, walkOptions, size, memory, threads);
     CLI::App* info = program.add_subcommand("info", "Say what a scene is and what was built into it.");
     info->add_option("SCENE", infoScene, "folder that 'revisit build' made")->required();
     info->add_flag("--json", infoAsJson, "as JSON, for programs");

@@ -17,6 +17,7 @@ struct StepTime {
     const char* step = ""; ///< its name, for reports
     int eye = kWholeFrame;
     double milliseconds = 0;
+    double startMilliseconds = 0; ///< by a clock of the processor's, or of the device's: to compare within either
 };
 
 /// Runs work and appends how long it took.
@@ -25,7 +26,8 @@ void timed(std::vector<StepTime>& times, const char* step, int eye, Work&& work)
     const auto start = std::chrono::steady_clock::now();
     work();
     const std::chrono::duration<double, std::milli> passed = std::chrono::steady_clock::now() - start;
-    times.push_back({step, eye, passed.count()});
+    const std::chrono::duration<double, std::milli> started = start.time_since_epoch();
+    times.push_back({step, eye, passed.count(), started.count()});
 }
 
 /// Timestamps between the steps of one command buffer. Silent on devices without timestamps.
