@@ -14,9 +14,9 @@
 #include <netinet/in.h>
 #include <poll.h>
 #include <sys/inotify.h>
-#include <sys/pidfd.h>
 #include <sys/prctl.h>
 #include <sys/socket.h>
+#include <sys/syscall.h>
 #include <sys/un.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -183,7 +183,7 @@ void Monado::start() {
         execve(program.c_str(), arguments, pointers.data());
         _exit(127);
     }
-    const Descriptor ended(pidfd_open(service_, 0));
+    const Descriptor ended(static_cast<int>(syscall(SYS_pidfd_open, service_, 0)));
     try {
         waitUntilStarted(ended.number);
     } catch (...) {
@@ -198,7 +198,7 @@ void Monado::waitUntilStarted(int serviceDescriptor) const {
     if (inotify_add_watch(changes.number, (folder_ / "service.txt").c_str(), IN_MODIFY) < 0)
         fail("cannot watch its output");
     const auto deadline = std::chrono::steady_clock::now() + kPatience;
-    while (!serviceOutput().contains("service has started")) {
+    while (serviceOutput().find("service has started") == std::string::npos) {
         const auto left =
             std::chrono::duration_cast<std::chrono::milliseconds>(deadline - std::chrono::steady_clock::now());
         std::array<pollfd, 2> events{{{changes.number, POLLIN, 0}, {serviceDescriptor, POLLIN, 0}}};
