@@ -10,6 +10,9 @@
 #include <csignal>
 #include <cstdio>
 #include <thread>
+#include <utility>
+
+#include <glm/geometric.hpp>
 
 namespace app {
 
@@ -37,6 +40,16 @@ xr::Headless::Path pathOf(const WalkOptions& options, const scene::Scene& scene)
     };
 }
 
+/// A ray from an eye through a place in its picture: a pose that looks along it.
+scene::Pose aimThrough(const scene::View& eye, const glm::dvec2& pixel) {
+    const scene::Camera& c = eye.camera;
+    const glm::dvec3 inCamera{(pixel.x - c.cx) / c.fx, (pixel.y - c.cy) / c.fy, 1};
+    const glm::dvec3 back = -glm::normalize(eye.worldFromEye.rotation * inCamera);
+    const glm::dvec3 right =
+        glm::normalize(eye.worldFromEye.rotation[0] - glm::dot(eye.worldFromEye.rotation[0], back) * back);
+    return {glm::dmat3(right, glm::cross(back, right), back), eye.worldFromEye.translation};
+}
+
 } // namespace
 
 Knobs Walk::knobsOf(const WalkOptions& options) {
@@ -61,6 +74,9 @@ Walk::Walk(const scene::Scene& scene, const WalkOptions& options, DeskSide* desk
     : scene_(scene), options_(options), deskSide_(deskSide), knobs_(knobsOf(options)),
       worldFromWalk_(inverse(scene.walkFromWorld)), record_(options) {
     if (!options.path.empty()) path_ = pathOf(options, scene);
+    const scene::Pose cameraFromHead{glm::dmat3(1, 0, 0, 0, -1, 0, 0, 0, -1), glm::dvec3(0)};
+    for (const scene::SceneImage& image : scene.images)
+        surroundings_.captures.push_back(scene.walkFromWorld * image.worldFromCamera * cameraFromHead);
 }
 
 void Walk::say(const std::string& notice) {
@@ -106,7 +122,6 @@ bool Walk::change(Outcome outcome, std::optional<WalkStage>& stage) {
     stage.reset();
     try {
         stage.emplace(WalkStage::inHeadset(scene_, std::move(found_)));
-        firstHead_.reset();
     } catch (const std::exception&) {
         // It went away again at once.
         stage.emplace(WalkStage::atDesk(scene_, deskSide_->desktop));
@@ -176,36 +191,78 @@ void Walk::drawFrame(WalkStage& stage, xr::ViewSource& source, const xr::Frame& 
     ++frame_;
 }
 
-/// A path leads the walker; in a headset the head moves about it as it likes.
-void Walk::lead(const xr::Frame& frame) {
-    if (options_.isHeadless || !path_) return;
-    const auto led = path_(frame.seconds);
-    if (!led) return;
-    if (!firstHead_) firstHead_ = frame.trackingFromHead;
-    walkFromTracking_ = *led * inverse(*firstHead_);
+input::Wants Walk::hearWants(WalkStage& stage, const xr::ViewSource& source, const xr::Frame& frame) {
+    input::Wants wants;
+    if (deskSide_ != nullptr) {
+        const input::DeskSays says = deskSide_->desk.hear();
+        if (isDesk(source)) {
+            wants = says.wants;
+            // The mouse is a hand: what it points at lies along a ray from the eye through the cursor.
+            const scene::View& eye = frame.eyes[0];
+            const glm::dvec2 pixel{says.cursor.x * eye.camera.width, says.cursor.y * eye.camera.height};
+            input::Hand& hand = wants.hands[1];
+            hand.isTracked = true;
+            hand.trackingFromAim = aimThrough(eye, pixel);
+            hand.trackingFromGrip = hand.trackingFromAim;
+            hand.picks = says.picks, hand.teleports = says.teleports;
+        } else {
+            // Whoever helps at the desk may bring the wearer somewhere, but not push them along.
+            wants.home = says.wants.home, wants.recentre = says.wants.recentre;
+            wants.next = says.wants.next, wants.previous = says.wants.previous;
+            wants.undo = says.wants.undo;
+        }
+    }
+    if (!isDesk(source) && stage.actions() != nullptr) stage.actions()->read(stage.headset()->displayTime(), wants);
+    wants.trackingFromHead = frame.trackingFromHead;
+    wants.seconds = frame.seconds - std::exchange(wentAt_, frame.seconds);
+    return wants;
+}
+
+void Walk::go(WalkStage& stage, const xr::ViewSource& source, const xr::Frame& frame) {
+    const scene::Pose& head = frame.trackingFromHead;
+    if (wasAtDesk_ && *wasAtDesk_ != isDesk(source)) {
+        // Whoever goes on elsewhere goes on from the same place, standing on the same floor.
+        const glm::dvec3 feet{facts_.place.x, locomotion_.rig.origin.y, facts_.place.z};
+        locomotion_.rig = input::rigWithFeetAt(head, feet, heading_, locomotion_.rig.scale);
+        locomotion_.held = {};
+    }
+    wasAtDesk_ = isDesk(source);
+    const input::Wants wants = hearWants(stage, source, frame);
+    if (options_.isHeadless) return; // the path is the head's
+    if (path_) {
+        if (const auto led = path_(frame.seconds)) {
+            if (!firstHead_) firstHead_ = head;
+            locomotion_.rig = input::rigWithHeadAt(*firstHead_, led->translation, input::headingOf(led->rotation), 1);
+        }
+    } else if (frame.isTracked) {
+        locomotion_ = input::step(locomotion_, wants, settings_, surroundings_);
+    }
 }
 
 void Walk::draw(WalkStage& stage, xr::ViewSource& source, const xr::Frame& frame) {
     if (deskSide_ != nullptr) knobs_ = deskSide_->desk.knobs();
-    lead(frame);
     if (frame.isTracked != wasTracked_)
         say(frame.isTracked ? "the head is tracked again" : "the head is not tracked; its last place is kept");
     wasTracked_ = frame.isTracked;
-    record_.addPose(frame.seconds, walkFromTracking_ * frame.trackingFromHead);
+    go(stage, source, frame);
+    const input::Rig& rig = locomotion_.rig;
+    const scene::Pose walkFromHead = rig.toWalk(frame.trackingFromHead);
+    facts_.place = walkFromHead.translation;
+    heading_ = input::headingOf(walkFromHead.rotation);
+    record_.addPose(frame.seconds, walkFromHead, rig);
 
     render::Renderer& renderer = stage.rendererFor(source);
     const auto eyes = static_cast<std::size_t>(source.eyes());
     std::array<scene::View, xr::kEyes> views;
     std::array<render::EyeOutput, xr::kEyes> outputs;
     for (std::size_t eye = 0; eye < eyes; ++eye) {
-        views[eye] = {frame.eyes[eye].camera, worldFromWalk_ * walkFromTracking_ * frame.eyes[eye].worldFromEye};
+        views[eye] = {frame.eyes[eye].camera, worldFromWalk_ * rig.toWalk(frame.eyes[eye].worldFromEye)};
         outputs[eye].image = frame.images[eye].image;
         outputs[eye].layer = frame.images[eye].layer;
     }
-    const bool isAtDesk = deskSide_ != nullptr && &source == &deskSide_->desktop;
-    if (isAtDesk || (deskSide_ != nullptr && deskSide_->desk.wantsPicture())) renderer.keepNext();
+    if (isDesk(source) || (deskSide_ != nullptr && deskSide_->desk.wantsPicture())) renderer.keepNext();
     stats_ = renderer.draw(std::span(views).first(eyes), knobs_.quality, std::span(outputs).first(eyes));
-    if (deskSide_ != nullptr) mirror(renderer, stage, isAtDesk, frame);
+    if (deskSide_ != nullptr) mirror(renderer, isDesk(source), frame);
 
     if (!record_.wantsPicture(static_cast<int>(frame_))) return;
     std::vector<render::EyeImage> pictures = renderer.readBack();
@@ -217,7 +274,7 @@ void Walk::draw(WalkStage& stage, xr::ViewSource& source, const xr::Frame& frame
     }
 }
 
-void Walk::mirror(render::Renderer& renderer, const WalkStage& stage, bool isAtDesk, const xr::Frame& frame) {
+void Walk::mirror(render::Renderer& renderer, bool isAtDesk, const xr::Frame& frame) {
     // At the desk the picture is for the window and is waited for; in a headset the newest that is finished will do.
     if (isAtDesk) stats_ = renderer.finish();
     const auto now = std::chrono::steady_clock::now();
@@ -227,9 +284,9 @@ void Walk::mirror(render::Renderer& renderer, const WalkStage& stage, bool isAtD
     facts_.isAtDesk = isAtDesk;
     facts_.isTracked = frame.isTracked;
     facts_.stats = stats_;
-    facts_.place = walkFromTracking_ * frame.trackingFromHead.translation;
+    facts_.speed = input::speedOf(locomotion_, settings_);
+    facts_.scale = locomotion_.rig.scale;
     deskSide_->desk.tell(facts_);
-    static_cast<void>(stage);
     if (!renderer.takeKept(mirrored_)) return;
     deskSide_->desk.show(mirrored_);
     xr::Window::wake();

@@ -6,6 +6,8 @@
 #include "app/walk_record.h"
 #include "app/walk_stage.h"
 
+#include "input/locomotion.h"
+
 #include <future>
 #include <optional>
 
@@ -43,9 +45,11 @@ class Walk {
 
     void drawFrame(WalkStage& stage, xr::ViewSource& source, const xr::Frame& frame);
     void draw(WalkStage& stage, xr::ViewSource& source, const xr::Frame& frame);
-    void mirror(render::Renderer& renderer, const WalkStage& stage, bool isAtDesk, const xr::Frame& frame);
-    input::Wants hearWants(WalkStage& stage, const xr::Frame& frame);
-    void lead(const xr::Frame& frame);
+    void mirror(render::Renderer& renderer, bool isAtDesk, const xr::Frame& frame);
+    /// Moves the walker: as the path leads, or as controllers, keys and mouse say.
+    void go(WalkStage& stage, const xr::ViewSource& source, const xr::Frame& frame);
+    input::Wants hearWants(WalkStage& stage, const xr::ViewSource& source, const xr::Frame& frame);
+    bool isDesk(const xr::ViewSource& source) const { return deskSide_ != nullptr && &source == &deskSide_->desktop; }
     /// Looks for a headset in another thread, now and then. True once there is one; found_ is its runtime.
     bool seekHeadset();
     void say(const std::string& notice);
@@ -55,7 +59,11 @@ class Walk {
     const WalkOptions& options_;
     DeskSide* deskSide_;
     Knobs knobs_;
-    scene::Pose worldFromWalk_, walkFromTracking_;
+    scene::Pose worldFromWalk_;
+    input::LocomotionSettings settings_;
+    input::Surroundings surroundings_;
+    input::Locomotion locomotion_;
+    std::optional<bool> wasAtDesk_; ///< in the frame before
     xr::Headless::Path path_;
     std::optional<scene::Pose> firstHead_;
     WalkRecord record_;
@@ -67,6 +75,8 @@ class Walk {
     std::future<std::unique_ptr<xr::Runtime>> sought_;
     std::unique_ptr<xr::Runtime> found_;
     std::chrono::steady_clock::time_point soughtAt_, frameAt_;
+    double heading_ = 0; ///< of the head in the frame before, walk space
+    double wentAt_ = 0;  ///< the time of the frame the walker was moved for last
     std::size_t frame_ = 0;
     bool wasTracked_ = true;
 };

@@ -9,11 +9,15 @@ namespace app {
 
 using nlohmann::json;
 
-void WalkRecord::addPose(double seconds, const scene::Pose& walkFromHead) {
+void WalkRecord::addPose(double seconds, const scene::Pose& walkFromHead, const input::Rig& rig) {
     if (options_.record.empty()) return;
     const glm::dvec3& p = walkFromHead.translation;
     const glm::dvec4 q = quaternionOf(walkFromHead);
-    poses_.push_back({{"t", seconds}, {"position", {p.x, p.y, p.z}}, {"orientation", {q.x, q.y, q.z, q.w}}});
+    const glm::dvec3& o = rig.origin;
+    poses_.push_back({{"t", seconds},
+                      {"position", {p.x, p.y, p.z}},
+                      {"orientation", {q.x, q.y, q.z, q.w}},
+                      {"rig", {{"position", {o.x, o.y, o.z}}, {"yaw", rig.yaw}, {"scale", rig.scale}}}});
 }
 
 bool WalkRecord::wantsPicture(int frame) const {

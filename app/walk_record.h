@@ -4,6 +4,7 @@
 #include "app/frame_report.h"
 #include "app/walk_scene.h"
 
+#include "input/rig.h"
 #include "scene/view.h"
 
 namespace app {
@@ -13,7 +14,7 @@ class WalkRecord {
     /// options must outlive it.
     explicit WalkRecord(const WalkOptions& options) : options_(options) {}
 
-    void addPose(double seconds, const scene::Pose& walkFromHead);
+    void addPose(double seconds, const scene::Pose& walkFromHead, const input::Rig& rig);
     bool wantsPicture(int frame) const;
     /// What the eye was given, and the camera it was given for.
     void addPicture(int frame, std::size_t eye, const scene::View& view, render::EyeImage image);
