@@ -1,7 +1,6 @@
 #include "app/walk.h"
 
-#include "app/view_files.h"
-
+#include "input/path.h"
 #include "scene/errors.h"
 #include "xr/check.h"
 #include "xr/window.h"
@@ -25,19 +24,15 @@ volatile std::sig_atomic_t wasAskedToEnd = 0;
 /// How often a headset that is not there is looked for: OpenXR has no event for a runtime that appears.
 constexpr std::chrono::milliseconds kLookAgain{500};
 
-/// The head's pose along a path file, at the keys' times.
-xr::Headless::Path pathOf(const WalkOptions& options, const scene::Scene& scene) {
-    const scene::Camera anyCamera{1, 1, 1, 1, 0.5, 0.5};
-    std::vector<NamedView> keys = readPathFile(options.path, scene.walkFromWorld, anyCamera);
-    const scene::Pose cameraFromHead{glm::dmat3(1, 0, 0, 0, -1, 0, 0, 0, -1), glm::dvec3(0)};
-    return [keys = std::move(keys), walkFromWorld = scene.walkFromWorld,
-            cameraFromHead](double seconds) -> std::optional<scene::Pose> {
-        if (seconds > keys.back().seconds) return std::nullopt;
-        const auto next = std::upper_bound(keys.begin(), keys.end(), seconds + 1e-9,
-                                           [](double t, const NamedView& key) { return t < key.seconds; });
-        const NamedView& key = next == keys.begin() ? keys.front() : *std::prev(next);
-        return walkFromWorld * key.worldFromCamera * cameraFromHead;
-    };
+/// The head's pose along a path file.
+xr::Headless::Path pathOf(const std::filesystem::path& file, const scene::Pose& walkFromWorld) {
+    input::RecordedPath recorded = input::readPath(file);
+    if (recorded.keys.size() > 1 && recorded.keys.front().seconds == recorded.keys.back().seconds)
+        throw scene::Failure("says of no pose when it is reached", file, "give each its t in seconds");
+    if (recorded.space == input::PathSpace::world)
+        for (input::PathKey& key : recorded.keys)
+            key.spaceFromHead = walkFromWorld * key.spaceFromHead;
+    return input::SmoothPath(std::move(recorded.keys));
 }
 
 /// A ray from an eye through a place in its picture: a pose that looks along it.
@@ -73,10 +68,9 @@ bool Walk::isAskedToEnd() const {
 Walk::Walk(const scene::Scene& scene, const WalkOptions& options, DeskSide* deskSide)
     : scene_(scene), options_(options), deskSide_(deskSide), knobs_(knobsOf(options)),
       worldFromWalk_(inverse(scene.walkFromWorld)), record_(options) {
-    if (!options.path.empty()) path_ = pathOf(options, scene);
-    const scene::Pose cameraFromHead{glm::dmat3(1, 0, 0, 0, -1, 0, 0, 0, -1), glm::dvec3(0)};
+    if (!options.path.empty()) path_ = pathOf(options.path, scene.walkFromWorld);
     for (const scene::SceneImage& image : scene.images)
-        surroundings_.captures.push_back(scene.walkFromWorld * image.worldFromCamera * cameraFromHead);
+        surroundings_.captures.push_back(scene.walkFromWorld * image.worldFromCamera * scene::headFromCamera());
 }
 
 void Walk::say(const std::string& notice) {

@@ -4,7 +4,7 @@
 #include "app/frame_report.h"
 #include "app/walk_scene.h"
 
-#include "input/rig.h"
+#include "input/path.h"
 #include "scene/view.h"
 
 namespace app {
@@ -24,7 +24,8 @@ class WalkRecord {
 
   private:
     const WalkOptions& options_;
-    nlohmann::json poses_ = nlohmann::json::array(), cameras_ = nlohmann::json::array();
+    input::RecordedPath path_;
+    nlohmann::json cameras_ = nlohmann::json::array();
 };
 
 } // namespace app

@@ -36,7 +36,7 @@ Frame Desktop::begin() {
 
     const double focal = now_.height / (2 * std::tan(now_.fieldOfViewRadians / 2));
     const scene::Camera camera{now_.width, now_.height, focal, focal, now_.width / 2.0, now_.height / 2.0};
-    const scene::Pose trackingFromEye = frame.trackingFromHead * headFromCamera();
+    const scene::Pose trackingFromEye = frame.trackingFromHead * scene::headFromCamera();
     frame.eyes.fill({camera, trackingFromEye});
     if (now_.eyes == 2) {
         const auto [left, right] = scene::eyesOf(camera, trackingFromEye, now_.eyeDistanceMetres);
