@@ -1,7 +1,11 @@
 #include "app/walk.h"
 
+#include "app/overlays.h"
+#include "app/stage_store.h"
+
 #include "input/path.h"
 #include "scene/errors.h"
+#include "scene/pick.h"
 #include "xr/check.h"
 #include "xr/window.h"
 
@@ -21,6 +25,8 @@ using nlohmann::json;
 
 volatile std::sig_atomic_t wasAskedToEnd = 0;
 
+constexpr const char* kStartFile = "start.json";
+
 /// How often a headset that is not there is looked for: OpenXR has no event for a runtime that appears.
 constexpr std::chrono::milliseconds kLookAgain{500};
 
@@ -33,6 +39,16 @@ xr::Headless::Path pathOf(const std::filesystem::path& file, const scene::Pose& 
         for (input::PathKey& key : recorded.keys)
             key.spaceFromHead = walkFromWorld * key.spaceFromHead;
     return input::SmoothPath(std::move(recorded.keys));
+}
+
+/// A broken one is told of and passed over: the walk begins where the scene does.
+std::optional<input::StartPose> readStartOf(const scene::Scene& scene) {
+    try {
+        return input::readStart(scene.folder / kStartFile);
+    } catch (const scene::Failure& failure) {
+        std::fprintf(stderr, "revisit: %s\n", failure.what());
+        return std::nullopt;
+    }
 }
 
 /// A ray from an eye through a place in its picture: a pose that looks along it.
@@ -50,6 +66,7 @@ scene::Pose aimThrough(const scene::View& eye, const glm::dvec2& pixel) {
 Knobs Walk::knobsOf(const WalkOptions& options) {
     Knobs knobs;
     knobs.quality = qualityOf(options.draw);
+    knobs.settings = options.settings;
     return knobs;
 }
 
@@ -69,6 +86,9 @@ Walk::Walk(const scene::Scene& scene, const WalkOptions& options, DeskSide* desk
     : scene_(scene), options_(options), deskSide_(deskSide), knobs_(knobsOf(options)),
       worldFromWalk_(inverse(scene.walkFromWorld)), record_(options) {
     if (!options.path.empty()) path_ = pathOf(options.path, scene.walkFromWorld);
+    if (!options.isHeadless) start_ = readStartOf(scene);
+    if (start_) surroundings_.homeFeet = start_->feet, surroundings_.homeHeading = start_->heading;
+    surroundings_.hit = [this](const glm::dvec3& from, const glm::dvec3& d) { return hit(from, d); };
     for (const scene::SceneImage& image : scene.images)
         surroundings_.captures.push_back(scene.walkFromWorld * image.worldFromCamera * scene::headFromCamera());
 }
@@ -189,6 +209,7 @@ input::Wants Walk::hearWants(WalkStage& stage, const xr::ViewSource& source, con
     input::Wants wants;
     if (deskSide_ != nullptr) {
         const input::DeskSays says = deskSide_->desk.hear();
+        if (says.said(input::Command::startHere)) startHere();
         if (isDesk(source)) {
             wants = says.wants;
             // The mouse is a hand: what it points at lies along a ray from the eye through the cursor.
@@ -212,6 +233,18 @@ input::Wants Walk::hearWants(WalkStage& stage, const xr::ViewSource& source, con
     return wants;
 }
 
+void Walk::startHere() {
+    start_ =
+        input::StartPose{{facts_.place.x, locomotion_.rig.origin.y, facts_.place.z}, heading_, locomotion_.rig.scale};
+    surroundings_.homeFeet = start_->feet, surroundings_.homeHeading = start_->heading;
+    try {
+        writeWhole(scene_.folder / kStartFile, input::textOf(*start_));
+        say("walks through this scene begin here");
+    } catch (const scene::Failure& failure) {
+        say("revisit: " + std::string(failure.what()));
+    }
+}
+
 void Walk::go(WalkStage& stage, const xr::ViewSource& source, const xr::Frame& frame) {
     const scene::Pose& head = frame.trackingFromHead;
     if (wasAtDesk_ && *wasAtDesk_ != isDesk(source)) {
@@ -221,7 +254,12 @@ void Walk::go(WalkStage& stage, const xr::ViewSource& source, const xr::Frame& f
         locomotion_.held = {};
     }
     wasAtDesk_ = isDesk(source);
+    if (!hasBegun_ && !options_.isHeadless) {
+        hasBegun_ = true;
+        if (start_) locomotion_.rig = input::rigWithFeetAt(head, start_->feet, start_->heading, start_->scale);
+    }
     const input::Wants wants = hearWants(stage, source, frame);
+    hands_ = wants.hands;
     if (options_.isHeadless) return; // the path is the head's
     if (path_) {
         if (const auto led = path_(frame.seconds)) {
@@ -229,8 +267,35 @@ void Walk::go(WalkStage& stage, const xr::ViewSource& source, const xr::Frame& f
             locomotion_.rig = input::rigWithHeadAt(*firstHead_, led->translation, input::headingOf(led->rotation), 1);
         }
     } else if (frame.isTracked) {
-        locomotion_ = input::step(locomotion_, wants, settings_, surroundings_);
+        locomotion_ = input::step(locomotion_, wants, knobs_.settings.locomotion, surroundings_);
     }
+}
+
+std::optional<input::Surface> Walk::hit(const glm::dvec3& from, const glm::dvec3& direction) const {
+    const scene::Ray ray{worldFromWalk_ * from, worldFromWalk_.rotation * direction};
+    scene::PickOptions options;
+    options.shownGuesses = knobs_.quality.preference;
+    const std::optional<scene::Pick> pick = scene::pick(scene_.blocks, ray, options);
+    if (!pick || !pick->isSeen) return std::nullopt;
+    // What has no normal is no floor.
+    const glm::dvec3 normal = pick->normal ? scene_.walkFromWorld.rotation * *pick->normal : glm::dvec3(0);
+    return input::Surface{scene_.walkFromWorld * pick->position, normal};
+}
+
+void Walk::fillOverlay(const xr::ViewSource& source) {
+    overlay_ = {};
+    // A window on the desk fills no field of view: it makes nobody sick.
+    if (!isDesk(source)) overlay_.vignette = static_cast<float>(locomotion_.vignette);
+    if (knobs_.settings.showsFloorGrid) addFloorGrid(overlay_, worldFromWalk_, facts_.place, locomotion_.rig.origin.y);
+    if (knobs_.showsCameras) addCameras(overlay_, scene_.images, worldFromWalk_ * facts_.place);
+    if (const std::optional<input::TeleportTarget>& target = locomotion_.target) {
+        const std::array beam{worldFromWalk_ * target->from, worldFromWalk_ * target->to};
+        addTeleport(overlay_, beam, worldFromWalk_.rotation * glm::dvec3(0, 1, 0), target->isAllowed,
+                    0.25 * locomotion_.rig.scale);
+    }
+    if (isDesk(source)) return;
+    for (const input::Hand& hand : hands_)
+        if (hand.isTracked) addController(overlay_, worldFromWalk_ * locomotion_.rig.toWalk(hand.trackingFromAim), 0);
 }
 
 void Walk::draw(WalkStage& stage, xr::ViewSource& source, const xr::Frame& frame) {
@@ -255,7 +320,8 @@ void Walk::draw(WalkStage& stage, xr::ViewSource& source, const xr::Frame& frame
         outputs[eye].layer = frame.images[eye].layer;
     }
     if (isDesk(source) || (deskSide_ != nullptr && deskSide_->desk.wantsPicture())) renderer.keepNext();
-    stats_ = renderer.draw(std::span(views).first(eyes), knobs_.quality, std::span(outputs).first(eyes));
+    fillOverlay(source);
+    stats_ = renderer.draw(std::span(views).first(eyes), knobs_.quality, std::span(outputs).first(eyes), &overlay_);
     if (deskSide_ != nullptr) mirror(renderer, isDesk(source), frame);
 
     if (!record_.wantsPicture(static_cast<int>(frame_))) return;
@@ -278,7 +344,7 @@ void Walk::mirror(render::Renderer& renderer, bool isAtDesk, const xr::Frame& fr
     facts_.isAtDesk = isAtDesk;
     facts_.isTracked = frame.isTracked;
     facts_.stats = stats_;
-    facts_.speed = input::speedOf(locomotion_, settings_);
+    facts_.speed = input::speedOf(locomotion_, knobs_.settings.locomotion);
     facts_.scale = locomotion_.rig.scale;
     deskSide_->desk.tell(facts_);
     if (!renderer.takeKept(mirrored_)) return;

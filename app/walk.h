@@ -48,6 +48,12 @@ class Walk {
     void mirror(render::Renderer& renderer, bool isAtDesk, const xr::Frame& frame);
     /// Moves the walker: as the path leads, or as controllers, keys and mouse say.
     void go(WalkStage& stage, const xr::ViewSource& source, const xr::Frame& frame);
+    /// From now on walks through this scene begin where the walker stands.
+    void startHere();
+    /// Where a ray of walk space meets something really seen.
+    std::optional<input::Surface> hit(const glm::dvec3& from, const glm::dvec3& direction) const;
+    /// What the walker is shown over the scene in this frame.
+    void fillOverlay(const xr::ViewSource& source);
     input::Wants hearWants(WalkStage& stage, const xr::ViewSource& source, const xr::Frame& frame);
     bool isDesk(const xr::ViewSource& source) const { return deskSide_ != nullptr && &source == &deskSide_->desktop; }
     /// Looks for a headset in another thread, now and then. True once there is one; found_ is its runtime.
@@ -60,7 +66,8 @@ class Walk {
     DeskSide* deskSide_;
     Knobs knobs_;
     scene::Pose worldFromWalk_;
-    input::LocomotionSettings settings_;
+    std::optional<input::StartPose> start_;
+    bool hasBegun_ = false;
     input::Surroundings surroundings_;
     input::Locomotion locomotion_;
     std::optional<bool> wasAtDesk_; ///< in the frame before
@@ -70,6 +77,8 @@ class Walk {
     FrameReport report_;
     nlohmann::json lastReport_;
     render::FrameStats stats_;
+    render::Overlay overlay_;
+    std::array<input::Hand, input::kHands> hands_{}; ///< in the frame before it is drawn
     render::FramePictures mirrored_;
     WalkFacts facts_;
     std::future<std::unique_ptr<xr::Runtime>> sought_;

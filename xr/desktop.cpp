@@ -45,9 +45,10 @@ Frame Desktop::begin() {
     return frame;
 }
 
-void Desktop::resize(int width, int height, int eyes) {
+void Desktop::resize(int width, int height, int eyes, double eyeHeightMetres) {
     const std::scoped_lock lock(mutex_);
     wanted_.width = std::max(width, 1), wanted_.height = std::max(height, 1);
+    wanted_.eyeHeightMetres = eyeHeightMetres;
     wanted_.eyes = std::clamp(eyes, 1, static_cast<int>(kEyes));
 }
 

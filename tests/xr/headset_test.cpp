@@ -85,6 +85,7 @@ class InHeadset : public testing::Test {
             do {
                 const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - start;
                 RemoteState state;
+                state.left.active = state.right.active = false; // else the walker would be shown them
                 state.stageFromHead = onTheWay(passed.count());
                 head.send(state);
                 std::this_thread::sleep_for(std::chrono::milliseconds(3)); // a head moves no faster
