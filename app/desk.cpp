@@ -25,6 +25,9 @@ void Desk::say(const input::DeskSays& says) {
     wants.recentre = wants.recentre || before.recentre, wants.home = wants.home || before.home;
     wants.next = wants.next || before.next, wants.previous = wants.previous || before.previous;
     wants.undo = wants.undo || before.undo;
+    // A click may be over before it is heard.
+    picksNow_ = says.picks, teleportsNow_ = says.teleports;
+    sum.picks = says.picks || says_.picks, sum.teleports = says.teleports || says_.teleports;
     sum.tilt += says_.tilt;
     sum.commands |= says_.commands;
     says_ = sum;
@@ -36,6 +39,7 @@ input::DeskSays Desk::hear() {
     input::Wants& wants = says_.wants;
     wants.turnBy = wants.speedUp = wants.scaleUp = wants.riseBy = 0;
     wants.recentre = wants.home = wants.next = wants.previous = wants.undo = false;
+    says_.picks = picksNow_, says_.teleports = teleportsNow_;
     says_.tilt = 0;
     says_.commands.reset();
     return heard;

@@ -64,7 +64,8 @@ class Desk {
   private:
     mutable std::mutex mutex_;
     Knobs knobs_;
-    input::DeskSays says_;
+    input::DeskSays says_; ///< not heard yet
+    bool picksNow_ = false, teleportsNow_ = false;
     render::FramePictures pictures_;
     WalkFacts facts_;
     bool hasPictures_ = false;

@@ -86,7 +86,10 @@ Walk::Walk(const scene::Scene& scene, const WalkOptions& options, DeskSide* desk
     : scene_(scene), options_(options), deskSide_(deskSide), knobs_(knobsOf(options)),
       worldFromWalk_(inverse(scene.walkFromWorld)), record_(options) {
     if (!options.path.empty()) path_ = pathOf(options.path, scene.walkFromWorld);
-    if (!options.isHeadless) start_ = readStartOf(scene);
+    if (!options.isHeadless) {
+        start_ = readStartOf(scene);
+        annotator_.emplace(scene, scene.folder);
+    }
     if (start_) surroundings_.homeFeet = start_->feet, surroundings_.homeHeading = start_->heading;
     surroundings_.hit = [this](const glm::dvec3& from, const glm::dvec3& d) { return hit(from, d); };
     for (const scene::SceneImage& image : scene.images)
@@ -259,7 +262,6 @@ void Walk::go(WalkStage& stage, const xr::ViewSource& source, const xr::Frame& f
         if (start_) locomotion_.rig = input::rigWithFeetAt(head, start_->feet, start_->heading, start_->scale);
     }
     const input::Wants wants = hearWants(stage, source, frame);
-    hands_ = wants.hands;
     if (options_.isHeadless) return; // the path is the head's
     if (path_) {
         if (const auto led = path_(frame.seconds)) {
@@ -269,6 +271,26 @@ void Walk::go(WalkStage& stage, const xr::ViewSource& source, const xr::Frame& f
     } else if (frame.isTracked) {
         locomotion_ = input::step(locomotion_, wants, knobs_.settings.locomotion, surroundings_);
     }
+    note(wants, isDesk(source));
+    hands_ = wants.hands;
+}
+
+/// The left hand sets points, the right one distances; at the desk the Shift key says which.
+void Walk::note(const input::Wants& wants, bool isAtDesk) {
+    NotingWants noting;
+    noting.undoes = wants.undo;
+    for (std::size_t i = 0; i < input::kHands; ++i) {
+        const input::Hand& hand = wants.hands[i];
+        const bool wasHeld = hands_[i].picks && hands_[i].isTracked;
+        if (!hand.isTracked || (!hand.picks && !wasHeld) || noting.aim) continue;
+        const scene::Pose worldFromAim = worldFromWalk_ * locomotion_.rig.toWalk(hand.trackingFromAim);
+        noting.aim = scene::Ray{worldFromAim.translation, -worldFromAim.rotation[2]};
+        noting.presses = !hand.picks;
+        const bool measures = isAtDesk ? wants.hurries : i == 1;
+        noting.mode = measures ? NoteMode::distances : NoteMode::points;
+    }
+    annotator_->update(noting);
+    if (const std::string notice = annotator_->takeNotice(); !notice.empty()) say(notice);
 }
 
 std::optional<input::Surface> Walk::hit(const glm::dvec3& from, const glm::dvec3& direction) const {
@@ -293,6 +315,7 @@ void Walk::fillOverlay(const xr::ViewSource& source) {
         addTeleport(overlay_, beam, worldFromWalk_.rotation * glm::dvec3(0, 1, 0), target->isAllowed,
                     0.25 * locomotion_.rig.scale);
     }
+    if (annotator_) annotator_->appendTo(overlay_);
     if (isDesk(source)) return;
     for (const input::Hand& hand : hands_)
         if (hand.isTracked) addController(overlay_, worldFromWalk_ * locomotion_.rig.toWalk(hand.trackingFromAim), 0);

@@ -2,6 +2,7 @@
 // One person's walk: frame by frame from the source of views through the walker's wishes to the pictures. It goes on at
 // the desk when the headset goes away, and in the headset when that comes back.
 
+#include "app/annotate.h"
 #include "app/desk.h"
 #include "app/walk_record.h"
 #include "app/walk_stage.h"
@@ -54,6 +55,7 @@ class Walk {
     std::optional<input::Surface> hit(const glm::dvec3& from, const glm::dvec3& direction) const;
     /// What the walker is shown over the scene in this frame.
     void fillOverlay(const xr::ViewSource& source);
+    void note(const input::Wants& wants, bool isAtDesk);
     input::Wants hearWants(WalkStage& stage, const xr::ViewSource& source, const xr::Frame& frame);
     bool isDesk(const xr::ViewSource& source) const { return deskSide_ != nullptr && &source == &deskSide_->desktop; }
     /// Looks for a headset in another thread, now and then. True once there is one; found_ is its runtime.
@@ -78,6 +80,7 @@ class Walk {
     nlohmann::json lastReport_;
     render::FrameStats stats_;
     render::Overlay overlay_;
+    std::optional<Annotator> annotator_;
     std::array<input::Hand, input::kHands> hands_{}; ///< in the frame before it is drawn
     render::FramePictures mirrored_;
     WalkFacts facts_;

@@ -119,7 +119,7 @@ constexpr std::array<Named, kActs> kNames{{
     {ActKind::pose, "grip", "Where the hand is"},
     {ActKind::button, "teleport", "Go there (hold, aim, let go)"},
     {ActKind::button, "grab", "Hold the world"},
-    {ActKind::button, "pick", "Set a point"},
+    {ActKind::button, "pick", "Set a point (left), measure (right): hold, aim, let go"},
     {ActKind::stick, "move", "Walk"},
     {ActKind::stick, "turn", "Turn; fly up and down"},
     {ActKind::button, "hurry", "Faster"},

@@ -17,7 +17,7 @@ constexpr KeyHelp kHelp[] = {
     {"Space, C", "fly up, down"},
     {"Q, E, Left, Right", "turn"},
     {"right button, drag", "look around"},
-    {"left button", "set a point; two make a distance"},
+    {"left button", "set a point (with Shift: a distance between two), on let go"},
     {"Z", "take the last point back"},
     {"middle button, T", "go where the mouse points, on let go"},
     {"Page Up, Page Down", "next, previous place of the scanner"},

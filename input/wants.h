@@ -18,7 +18,7 @@ struct Hand {
     scene::Pose trackingFromGrip; ///< where the hand itself is
     bool teleports = false;       ///< held while aiming; the walker goes when it is let go
     bool grabs = false;           ///< held: the world hangs on the hand
-    bool picks = false;           ///< held: a point is set when it is pressed
+    bool picks = false;           ///< held while aiming; a point is set when it is let go
 };
 
 /// Analogue values hold on as long as they are wanted; what is said once is true in one frame only.

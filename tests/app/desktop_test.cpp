@@ -10,6 +10,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include <chrono>
+#include <cmath>
 #include <csignal>
 #include <cstdio>
 #include <fstream>
@@ -166,6 +167,34 @@ TEST_F(Desktop, KeysLeadTheWalkerAndWhatWasSetIsKept) {
     ASSERT_EQ(waitFor().status, 0);
     EXPECT_NEAR(readJson(path).at("poses").front().at("position").at(2).get<double>(),
                 start.at("feet").at(2).get<double>(), 1e-9);
+}
+
+TEST_F(Desktop, ClicksMeasureAndAreListedByInfo) {
+    startWalk({});
+    ASSERT_TRUE(hitUntilSaid("F12", "kept revisit-", 1)) << log();
+    screen_->act({"key", "Page_Up"});
+    // One click is one note, however often it is looked for.
+    screen_->act({"mousemove", "--sync", "640", "500", "click", "1"});
+    ASSERT_TRUE(hitUntilSaid("shift", "P1 at", 1)) << log();
+    screen_->act({"keydown", "shift", "mousemove", "--sync", "600", "560", "click", "1"});
+    ASSERT_TRUE(hitUntilSaid("F12", "kept revisit-", 3)) << log();
+    screen_->act({"mousemove", "--sync", "760", "560", "click", "1"});
+    ASSERT_TRUE(hitUntilSaid("F12", "D2 ", 1)) << log();
+    screen_->act({"keyup", "shift", "mousemove", "--sync", "640", "300", "click", "1"});
+    ASSERT_TRUE(hitUntilSaid("F12", "P3 at", 1)) << log();
+    screen_->act({"key", "z"});
+    ASSERT_TRUE(hitUntilSaid("F12", "kept revisit-", 6)) << log();
+    screen_->act({"key", "Escape"});
+    ASSERT_EQ(waitFor().status, 0);
+
+    const Outcome told = run({kRevisit, "info", scene(), "--json"}, scratch_.path());
+    ASSERT_EQ(told.status, 0) << told.output;
+    const auto notes = nlohmann::json::parse(told.output).at("notes");
+    ASSERT_EQ(notes.size(), 2u) << "the third was taken back: " << notes;
+    EXPECT_EQ(notes[0].at("kind"), "point");
+    EXPECT_EQ(notes[1].at("kind"), "distance");
+    const auto a = notes[1].at("from").get<std::vector<double>>(), b = notes[1].at("to").get<std::vector<double>>();
+    EXPECT_NEAR(notes[1].at("distance_m").get<double>(), std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]), 1e-3);
 }
 
 TEST_F(Desktop, WithoutADisplayOneLineSaysSo) {
