@@ -21,8 +21,14 @@ std::string sayPlace(const glm::dvec3& p) {
     return text.data();
 }
 
+/// Where a distance's label stands: clear of its line.
+glm::dvec3 aboveMiddle(const glm::dvec3& a, const glm::dvec3& b, const scene::Pose& worldFromWalk) {
+    return (a + b) / 2.0 + 0.05 * worldFromWalk.rotation[1];
+}
+
 void addLabel(render::Overlay& overlay, const glm::dvec3& at, const std::string& text, scene::Rgb8 colour) {
-    overlay.labels.push_back({at, text, colour});
+    constexpr float kReadable = 0.7f; // what was measured is to be read wherever it is
+    overlay.labels.push_back({at, text, colour, 0.015f, 0, kReadable});
 }
 
 } // namespace
@@ -75,7 +81,7 @@ void Annotator::appendTo(render::Overlay& overlay) const {
             addLabel(overlay, note.from, note.label, kTextColour);
         } else if (note.kind == Note::Kind::distance) {
             addDistance(overlay, worldFromWalk_, note.from, note.to);
-            addLabel(overlay, (note.from + note.to) / 2.0, note.label, kTextColour);
+            addLabel(overlay, aboveMiddle(note.from, note.to, worldFromWalk_), note.label, kTextColour);
         }
     }
     const bool isSeen = aimed_ && aimed_->isSeen;
@@ -88,7 +94,7 @@ void Annotator::appendTo(render::Overlay& overlay) const {
     addDistance(overlay, worldFromWalk_, *noting_.start, aimed_->position, kAllowedColour);
     std::array<char, 32> text{};
     std::snprintf(text.data(), text.size(), "%.3f m", glm::distance(*noting_.start, aimed_->position));
-    addLabel(overlay, (*noting_.start + aimed_->position) / 2.0, text.data(), kAllowedColour);
+    addLabel(overlay, aboveMiddle(*noting_.start, aimed_->position, worldFromWalk_), text.data(), kAllowedColour);
 }
 
 } // namespace app

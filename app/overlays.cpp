@@ -60,7 +60,7 @@ void addFloorGrid(render::Overlay& overlay, const scene::Pose& worldFromWalk, co
             const double next = std::min(std::floor(t + 1 + 1e-9), to);
             const double middle = (t + next) / 2 - aroundInWalk[along];
             const double fade = 1 - std::sqrt(middle * middle + off * off) / radius;
-            if (fade > 0) addLine(overlay, at(t), at(next), kGridColour, 1.5f, static_cast<float>(0.8 * fade));
+            if (fade > 0) addLine(overlay, at(t), at(next), kGridColour, 1.5f, static_cast<float>(0.8 * fade), 0.2f);
             t = next;
         }
     };
