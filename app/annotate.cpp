@@ -46,6 +46,7 @@ Annotator::Annotator(const scene::Scene& scene, const std::filesystem::path& sce
 void Annotator::update(const NotingWants& wants) {
     aimed_ = wants.aim ? scene::pick(scene_.blocks, *wants.aim) : std::nullopt;
     const std::size_t before = noting_.notes.list.size();
+    const bool hadStart = noting_.start.has_value();
     if (wants.undoes) noting_ = undo(std::move(noting_));
     if (wants.presses) {
         if (!refused_.empty())
@@ -57,6 +58,7 @@ void Annotator::update(const NotingWants& wants) {
         else
             noting_ = press(std::move(noting_), wants.mode, *aimed_, timeNow());
     }
+    if (noting_.start && !hadStart) notice_ = "from" + sayPlace(*noting_.start) + ", to where?";
     if (noting_.notes.list.size() != before) keep();
 }
 

@@ -1,5 +1,6 @@
 #include "app/desk.h"
 
+#include <cmath>
 #include <utility>
 
 namespace app {
@@ -14,35 +15,46 @@ void Desk::turn(const Knobs& knobs) {
     knobs_ = knobs;
 }
 
+namespace {
+
+/// What is said once counts until it is heard, and only then.
+void forgetWhatIsSaidOnce(input::DeskSays& says) {
+    input::Wants& wants = says.wants;
+    wants.turnBy = wants.speedUp = wants.scaleUp = wants.riseBy = 0;
+    wants.recentre = wants.home = wants.next = wants.previous = wants.undo = false;
+    says.tilt = 0;
+    says.commands.reset();
+}
+
+double stronger(double a, double b) {
+    return std::abs(a) > std::abs(b) ? a : b;
+}
+
+} // namespace
+
 void Desk::say(const input::DeskSays& says) {
     const std::scoped_lock lock(mutex_);
-    input::DeskSays sum = says;
-    const input::Wants& before = says_.wants;
-    input::Wants& wants = sum.wants;
-    // What is held counts as it is now; what was said once, until it was heard.
-    wants.turnBy += before.turnBy, wants.speedUp += before.speedUp, wants.scaleUp += before.scaleUp;
-    wants.riseBy += before.riseBy;
-    wants.recentre = wants.recentre || before.recentre, wants.home = wants.home || before.home;
-    wants.next = wants.next || before.next, wants.previous = wants.previous || before.previous;
-    wants.undo = wants.undo || before.undo;
-    // A click may be over before it is heard.
-    picksNow_ = says.picks, teleportsNow_ = says.teleports;
-    sum.picks = says.picks || says_.picks, sum.teleports = says.teleports || says_.teleports;
-    sum.tilt += says_.tilt;
-    sum.commands |= says_.commands;
-    says_ = sum;
+    const input::DeskSays before = std::exchange(says_, says);
+    now_ = says;
+    input::Wants& wants = says_.wants;
+    const input::Wants& was = before.wants;
+    wants.turnBy += was.turnBy, wants.speedUp += was.speedUp, wants.scaleUp += was.scaleUp;
+    wants.riseBy += was.riseBy;
+    wants.recentre = wants.recentre || was.recentre, wants.home = wants.home || was.home;
+    wants.next = wants.next || was.next, wants.previous = wants.previous || was.previous;
+    wants.undo = wants.undo || was.undo;
+    says_.tilt += before.tilt;
+    says_.commands |= before.commands;
+    // A click or a key's stroke may be over before it is heard.
+    wants.turn = stronger(wants.turn, was.turn), wants.climb = stronger(wants.climb, was.climb);
+    wants.move = {stronger(wants.move.x, was.move.x), stronger(wants.move.y, was.move.y)};
+    says_.picks = says_.picks || before.picks, says_.teleports = says_.teleports || before.teleports;
 }
 
 input::DeskSays Desk::hear() {
     const std::scoped_lock lock(mutex_);
-    const input::DeskSays heard = says_;
-    input::Wants& wants = says_.wants;
-    wants.turnBy = wants.speedUp = wants.scaleUp = wants.riseBy = 0;
-    wants.recentre = wants.home = wants.next = wants.previous = wants.undo = false;
-    says_.picks = picksNow_, says_.teleports = teleportsNow_;
-    says_.tilt = 0;
-    says_.commands.reset();
-    return heard;
+    forgetWhatIsSaidOnce(now_);
+    return std::exchange(says_, now_);
 }
 
 void Desk::show(render::FramePictures& pictures) {

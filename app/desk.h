@@ -65,7 +65,7 @@ class Desk {
     mutable std::mutex mutex_;
     Knobs knobs_;
     input::DeskSays says_; ///< not heard yet
-    bool picksNow_ = false, teleportsNow_ = false;
+    input::DeskSays now_;  ///< said last
     render::FramePictures pictures_;
     WalkFacts facts_;
     bool hasPictures_ = false;

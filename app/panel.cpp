@@ -128,14 +128,16 @@ void drawPanel(const WalkFacts& facts, PanelState& state, Knobs& knobs) {
     }
     if (!state.isOpen) return;
     ImGui::SetNextWindowPos({8, 8}, ImGuiCond_FirstUseEver);
-    ImGui::SetNextWindowSize({330, 0}, ImGuiCond_FirstUseEver);
+    ImGui::SetNextWindowSize({340, 480}, ImGuiCond_FirstUseEver);
     if (ImGui::Begin("Revisit", &state.isOpen)) {
+        ImGui::PushItemWidth(170);
         drawFacts(facts);
         ImGui::Separator();
         drawKnobs(state, knobs);
         drawWalking(state, knobs);
         ImGui::Separator();
         drawHelp();
+        ImGui::PopItemWidth();
         if (!facts.notice.empty()) ImGui::TextWrapped("%s", facts.notice.c_str());
     }
     ImGui::End();

@@ -49,12 +49,15 @@ Screen::Screen() {
     close(says[1]);
     // It writes the number of the screen it found free, once it listens.
     pollfd readable{says[0], POLLIN, 0};
-    std::array<char, 16> text{};
-    const bool hasSaid = server_ > 0 && poll(&readable, 1, kPatienceMilliseconds) == 1 &&
-                         read(says[0], text.data(), text.size() - 1) > 0;
+    std::string text;
+    char letter = 0;
+    // To the end of the line: it would not live with a reader who left early.
+    while (server_ > 0 && poll(&readable, 1, kPatienceMilliseconds) == 1 && read(says[0], &letter, 1) == 1 &&
+           letter != '\n')
+        text += letter;
     close(says[0]);
-    if (!hasSaid) throw std::runtime_error("Xvfb does not start");
-    display_ = ":" + std::to_string(std::atoi(text.data()));
+    if (letter != '\n' || text.empty()) throw std::runtime_error("Xvfb does not start");
+    display_ = ":" + text;
 }
 
 Screen::~Screen() {
