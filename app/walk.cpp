@@ -27,6 +27,9 @@ volatile std::sig_atomic_t wasAskedToEnd = 0;
 
 constexpr const char* kStartFile = "start.json";
 
+/// Images from nearer to each other than this are from one place, metres.
+constexpr double kSamePlace = 1e-3;
+
 /// How often a headset that is not there is looked for: OpenXR has no event for a runtime that appears.
 constexpr std::chrono::milliseconds kLookAgain{500};
 
@@ -90,10 +93,15 @@ Walk::Walk(const scene::Scene& scene, const WalkOptions& options, DeskSide* desk
         start_ = readStartOf(scene);
         annotator_.emplace(scene, scene.folder);
     }
-    if (start_) surroundings_.homeFeet = start_->feet, surroundings_.homeHeading = start_->heading;
+    if (start_) setHome();
     surroundings_.hit = [this](const glm::dvec3& from, const glm::dvec3& d) { return hit(from, d); };
-    for (const scene::SceneImage& image : scene.images)
-        surroundings_.captures.push_back(scene.walkFromWorld * image.worldFromCamera * scene::headFromCamera());
+    for (const scene::SceneImage& image : scene.images) {
+        const scene::Pose head = scene.walkFromWorld * image.worldFromCamera * scene::headFromCamera();
+        // The faces of a cube around a scanner are one place.
+        if (surroundings_.captures.empty() ||
+            glm::distance(surroundings_.captures.back().translation, head.translation) > kSamePlace)
+            surroundings_.captures.push_back(head);
+    }
 }
 
 void Walk::say(const std::string& notice) {
@@ -232,14 +240,20 @@ input::Wants Walk::hearWants(WalkStage& stage, const xr::ViewSource& source, con
     }
     if (!isDesk(source) && stage.actions() != nullptr) stage.actions()->read(stage.headset()->displayTime(), wants);
     wants.trackingFromHead = frame.trackingFromHead;
+    wants.isHeadTracked = frame.isTracked;
     wants.seconds = frame.seconds - std::exchange(wentAt_, frame.seconds);
     return wants;
+}
+
+void Walk::setHome() {
+    surroundings_.homeFeet = start_->feet;
+    surroundings_.homeHeading = start_->heading, surroundings_.homeScale = start_->scale;
 }
 
 void Walk::startHere() {
     start_ =
         input::StartPose{{facts_.place.x, locomotion_.rig.origin.y, facts_.place.z}, heading_, locomotion_.rig.scale};
-    surroundings_.homeFeet = start_->feet, surroundings_.homeHeading = start_->heading;
+    setHome();
     try {
         writeWhole(scene_.folder / kStartFile, input::textOf(*start_));
         say("walks through this scene begin here");
@@ -250,16 +264,17 @@ void Walk::startHere() {
 
 void Walk::go(WalkStage& stage, const xr::ViewSource& source, const xr::Frame& frame) {
     const scene::Pose& head = frame.trackingFromHead;
-    if (wasAtDesk_ && *wasAtDesk_ != isDesk(source)) {
-        // Whoever goes on elsewhere goes on from the same place, standing on the same floor.
-        const glm::dvec3 feet{facts_.place.x, locomotion_.rig.origin.y, facts_.place.z};
-        locomotion_.rig = input::rigWithFeetAt(head, feet, heading_, locomotion_.rig.scale);
-        locomotion_.held = {};
-    }
-    wasAtDesk_ = isDesk(source);
-    if (!hasBegun_ && !options_.isHeadless) {
+    // Where a head that is not known stands would be made up.
+    if (frame.isTracked) {
+        if (wasAtDesk_ && *wasAtDesk_ != isDesk(source)) {
+            // Whoever goes on elsewhere goes on from the same place, standing on the same floor.
+            const glm::dvec3 feet{facts_.place.x, locomotion_.rig.origin.y, facts_.place.z};
+            locomotion_ = input::brought(locomotion_, head, feet, heading_, locomotion_.rig.scale);
+        }
+        wasAtDesk_ = isDesk(source);
+        if (!hasBegun_ && !options_.isHeadless && start_)
+            locomotion_ = input::brought(locomotion_, head, start_->feet, start_->heading, start_->scale);
         hasBegun_ = true;
-        if (start_) locomotion_.rig = input::rigWithFeetAt(head, start_->feet, start_->heading, start_->scale);
     }
     const input::Wants wants = hearWants(stage, source, frame);
     if (options_.isHeadless) return; // the path is the head's
@@ -268,7 +283,7 @@ void Walk::go(WalkStage& stage, const xr::ViewSource& source, const xr::Frame& f
             if (!firstHead_) firstHead_ = head;
             locomotion_.rig = input::rigWithHeadAt(*firstHead_, led->translation, input::headingOf(led->rotation), 1);
         }
-    } else if (frame.isTracked) {
+    } else {
         locomotion_ = input::step(locomotion_, wants, knobs_.settings.locomotion, surroundings_);
     }
     note(wants, isDesk(source));
@@ -312,7 +327,7 @@ void Walk::fillOverlay(const xr::ViewSource& source) {
     if (knobs_.showsCameras) addCameras(overlay_, scene_.images, worldFromWalk_ * facts_.place);
     if (const std::optional<input::TeleportTarget>& target = locomotion_.target) {
         const std::array beam{worldFromWalk_ * target->from, worldFromWalk_ * target->to};
-        addTeleport(overlay_, beam, worldFromWalk_.rotation * glm::dvec3(0, 1, 0), target->isAllowed,
+        addTeleport(overlay_, beam, worldFromWalk_.rotation * glm::dvec3(0, 1, 0), target->isAllowed(),
                     0.25 * locomotion_.rig.scale);
     }
     if (annotator_) annotator_->appendTo(overlay_);
@@ -329,8 +344,10 @@ void Walk::draw(WalkStage& stage, xr::ViewSource& source, const xr::Frame& frame
     go(stage, source, frame);
     const input::Rig& rig = locomotion_.rig;
     const scene::Pose walkFromHead = rig.toWalk(frame.trackingFromHead);
-    facts_.place = walkFromHead.translation;
-    heading_ = input::headingOf(walkFromHead.rotation);
+    if (frame.isTracked) {
+        facts_.place = walkFromHead.translation;
+        heading_ = input::headingOf(walkFromHead.rotation);
+    }
     record_.addPose(frame.seconds, walkFromHead, rig);
 
     render::Renderer& renderer = stage.rendererFor(source);

@@ -49,6 +49,8 @@ class Walk {
     void mirror(render::Renderer& renderer, bool isAtDesk, const xr::Frame& frame);
     /// Moves the walker: as the path leads, or as controllers, keys and mouse say.
     void go(WalkStage& stage, const xr::ViewSource& source, const xr::Frame& frame);
+    /// Home is where walks through this scene begin.
+    void setHome();
     /// From now on walks through this scene begin where the walker stands.
     void startHere();
     /// Where a ray of walk space meets something really seen.

@@ -18,17 +18,19 @@ constexpr double kLongestStep = 0.1;
 /// A stick turns once when it passes the first, and again only after it was below the second.
 constexpr double kSnapAt = 0.7, kArmedBelow = 0.3;
 constexpr double kSpeedStep = 1.5, kSlowest = 0.05, kFastest = 200;
-constexpr double kScaleStep = 1.1, kSmallestScale = 1e-3, kLargestScale = 1e4;
+constexpr double kScaleStep = 1.1;
 /// Hands nearer to each other than this, horizontally, neither turn nor scale.
 constexpr double kHandsApart = 0.05;
+/// A head or hand farther off in the room than this is a mistake, metres.
+constexpr double kLargestRoom = 1e4;
+constexpr double kMostRise = 10; ///< at once, metres of the wearer's own
 
-bool isFinite(const glm::dvec3& v) {
-    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-}
-
-bool isFinite(const scene::Pose& pose) {
-    return isFinite(pose.translation) && isFinite(pose.rotation[0]) && isFinite(pose.rotation[1]) &&
-           isFinite(pose.rotation[2]);
+/// Comparisons with what is no number are false.
+bool isUsable(const scene::Pose& pose) {
+    bool isRotation = true;
+    for (int i = 0; i < 3; ++i)
+        isRotation = isRotation && std::abs(glm::length(pose.rotation[i]) - 1) < 0.01;
+    return isRotation && glm::length(pose.translation) < kLargestRoom;
 }
 
 double finiteOr0(double value) {
@@ -36,7 +38,7 @@ double finiteOr0(double value) {
 }
 
 bool isUsable(const Hand& hand) {
-    return hand.isTracked && isFinite(hand.trackingFromAim) && isFinite(hand.trackingFromGrip);
+    return hand.isTracked && isUsable(hand.trackingFromAim) && isUsable(hand.trackingFromGrip);
 }
 
 Rig withScale(const Rig& rig, double scale, const glm::dvec3& fixedInTracking) {
@@ -44,6 +46,20 @@ Rig withScale(const Rig& rig, double scale, const glm::dvec3& fixedInTracking) {
     result.scale = std::clamp(scale, kSmallestScale, kLargestScale);
     result.origin += rig.toWalk(fixedInTracking) - result.toWalk(fixedInTracking);
     return result;
+}
+
+/// Nothing hangs on the hands any more, and none aims: both begin anew with what is before them now.
+void letGo(Locomotion& state) {
+    state.held = {};
+    state.target.reset();
+    state.wasTeleporting = {};
+}
+
+/// The rig brought the head where it is: recentring brings it there again.
+void bring(Locomotion& state, const Rig& rig, const scene::Pose& trackingFromHead) {
+    state.rig = rig;
+    state.middle = {trackingFromHead.translation, headingOf(trackingFromHead.rotation)};
+    letGo(state);
 }
 
 /// Two points of tracking space are brought to two of walk space, as nearly as turning about the vertical, scaling and
@@ -123,49 +139,56 @@ bool move(Locomotion& state, const Wants& wants, const LocomotionSettings& setti
 
 void changeSize(Locomotion& state, const Wants& wants) {
     state.speedFactor = std::clamp(state.speedFactor * std::pow(kSpeedStep, finiteOr0(wants.speedUp)), 0.01, 100.0);
-    state.rig.origin.y += finiteOr0(wants.riseBy) * state.rig.scale;
+    state.rig.origin.y += std::clamp(finiteOr0(wants.riseBy), -kMostRise, kMostRise) * state.rig.scale;
     if (finiteOr0(wants.scaleUp) == 0) return;
     const glm::dvec3& head = wants.trackingFromHead.translation;
     state.rig = withScale(state.rig, state.rig.scale * std::pow(kScaleStep, -wants.scaleUp), {head.x, 0, head.z});
 }
 
+TeleportTarget aimAt(const Locomotion& state, std::size_t hand, const scene::Pose& trackingFromAim,
+                     const LocomotionSettings& settings, const Surroundings& surroundings) {
+    const scene::Pose walkFromAim = state.rig.toWalk(trackingFromAim);
+    const glm::dvec3 direction = glm::normalize(-walkFromAim.rotation[2]);
+    const double reach = settings.reachMetres * state.rig.scale;
+    TeleportTarget target{hand, walkFromAim.translation, walkFromAim.translation + reach * direction, Refusal::unseen};
+    const std::optional<Surface> surface = surroundings.hit ? surroundings.hit(target.from, direction) : std::nullopt;
+    if (!surface || !(glm::length(surface->position) < kFarthest)) return target;
+    target.refusal.reset();
+    target.to = surface->position;
+    // What has no normal is no floor.
+    if (!(surface->normal.y >= std::cos(settings.steepestDegrees * kDegree))) target.refusal = Refusal::tooSteep;
+    if (!(glm::distance(target.from, target.to) <= reach)) target.refusal = Refusal::tooFar;
+    return target;
+}
+
 void teleport(Locomotion& state, const Wants& wants, const LocomotionSettings& settings,
               const Surroundings& surroundings) {
-    const std::optional<TeleportTarget> shown = state.target;
-    state.target.reset();
+    const std::optional<TeleportTarget> shown = std::exchange(state.target, std::nullopt);
     for (std::size_t i = 0; i < kHands; ++i) {
         const Hand& hand = wants.hands[i];
-        const bool was = std::exchange(state.wasTeleporting[i], hand.teleports && isUsable(hand));
-        if (was && !state.wasTeleporting[i] && shown && shown->hand == i && shown->isAllowed && !hand.teleports) {
+        const bool aims = hand.teleports && isUsable(hand), did = std::exchange(state.wasTeleporting[i], aims);
+        // A hand that was lost did not let go.
+        if (did && !hand.teleports && isUsable(hand) && shown && shown->hand == i && shown->isAllowed()) {
             const double heading = headingOf(state.rig.rotation() * wants.trackingFromHead.rotation);
             state.rig = rigWithFeetAt(wants.trackingFromHead, shown->to, heading, state.rig.scale);
+            // It was said where to go, not which way to look.
+            state.middle.place = wants.trackingFromHead.translation;
+            letGo(state);
+            return;
         }
-        if (!state.wasTeleporting[i] || state.target) continue;
-        const scene::Pose walkFromAim = state.rig.toWalk(hand.trackingFromAim);
-        const glm::dvec3 direction = glm::normalize(-walkFromAim.rotation[2]);
-        const double reach = settings.reachMetres * state.rig.scale;
-        TeleportTarget target{i, walkFromAim.translation, walkFromAim.translation + reach * direction, false};
-        const std::optional<Surface> surface =
-            surroundings.hit ? surroundings.hit(walkFromAim.translation, direction) : std::nullopt;
-        if (surface && isFinite(surface->position)) {
-            target.to = surface->position;
-            target.isAllowed = glm::distance(target.from, target.to) <= reach &&
-                               surface->normal.y >= std::cos(settings.steepestDegrees * kDegree);
-        }
-        state.target = target;
+        if (aims && !state.target) state.target = aimAt(state, i, hand.trackingFromAim, settings, surroundings);
     }
 }
 
 void jump(Locomotion& state, const Wants& wants, const Surroundings& surroundings) {
     const scene::Pose& head = wants.trackingFromHead;
     if (wants.recentre) {
-        // Wherever the wearer has drifted to in the room: the head comes to the rig's own place and heading.
-        const glm::dvec3 now = state.rig.toWalk(head.translation);
-        state.rig =
-            rigWithHeadAt(head, {state.rig.origin.x, now.y, state.rig.origin.z}, state.rig.yaw, state.rig.scale);
+        glm::dvec3 place = state.rig.toWalk(state.middle.place);
+        place.y = state.rig.toWalk(head.translation).y;
+        bring(state, rigWithHeadAt(head, place, state.rig.yaw + state.middle.heading, state.rig.scale), head);
     }
     if (wants.home) {
-        state.rig = rigWithFeetAt(head, surroundings.homeFeet, surroundings.homeHeading, 1);
+        state = brought(state, head, surroundings.homeFeet, surroundings.homeHeading, surroundings.homeScale);
         state.capture.reset();
     }
     const std::size_t count = surroundings.captures.size();
@@ -173,7 +196,7 @@ void jump(Locomotion& state, const Wants& wants, const Surroundings& surrounding
         const std::size_t last = state.capture.value_or(wants.next ? count - 1 : 0) % count;
         state.capture = (last + (wants.next ? 1 : count - 1)) % count;
         const scene::Pose& place = surroundings.captures[*state.capture];
-        state.rig = rigWithHeadAt(head, place.translation, headingOf(place.rotation), 1);
+        bring(state, rigWithHeadAt(head, place.translation, headingOf(place.rotation), 1), head);
     }
 }
 
@@ -190,20 +213,36 @@ double speedOf(const Locomotion& state, const LocomotionSettings& settings) {
     return std::clamp(settings.metresPerSecond * state.speedFactor, kSlowest, kFastest) * state.rig.scale;
 }
 
+Locomotion brought(const Locomotion& before, const scene::Pose& trackingFromHead, const glm::dvec3& feet,
+                   double heading, double scale) {
+    Locomotion state = before;
+    bring(state, rigWithFeetAt(trackingFromHead, feet, heading, std::clamp(scale, kSmallestScale, kLargestScale)),
+          trackingFromHead);
+    return state;
+}
+
 Locomotion step(const Locomotion& before, const Wants& wants, const LocomotionSettings& settings,
                 const Surroundings& surroundings) {
     Locomotion state = before;
-    if (!isFinite(wants.trackingFromHead)) return state;
     const double seconds = std::clamp(finiteOr0(wants.seconds), 0.0, kLongestStep);
-    grab(state, wants);
+    if (!wants.isHeadTracked || !isUsable(wants.trackingFromHead)) {
+        letGo(state);
+        state.isTurnArmed = false;
+        narrow(state, false, settings, seconds);
+        return state;
+    }
     const bool isTurning = turn(state, wants, settings, seconds);
     const bool isGoing = move(state, wants, settings, seconds);
     changeSize(state, wants);
+    // After all that carries the hands along, so that what they hold stays in them.
+    grab(state, wants);
     teleport(state, wants, settings, surroundings);
     jump(state, wants, surroundings);
+    if (!isUsable(state.rig)) {
+        state.rig = before.rig, state.middle = before.middle;
+        letGo(state);
+    }
     narrow(state, isTurning || isGoing, settings, seconds);
-    // After a jump the hands hold what is before them now, and not the world they left.
-    if (wants.recentre || wants.home || wants.next || wants.previous) state.held = {};
     return state;
 }
 

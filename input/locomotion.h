@@ -1,8 +1,16 @@
 #pragma once
 // How the walker's wishes move the rig: a pure function from state to state.
 //
-// What a wearer cannot foresee makes people sick or lost: the horizon never tilts, nothing moves while the head is not
-// known, bad numbers and long pauses move nothing.
+// What a wearer cannot foresee makes people sick or lost:
+//   - the horizon never tilts;
+//   - nothing moves while the head is not known, and nothing is made up for when it is known again: what was held,
+//   aimed
+//     at or pushed has to be held, aimed at or pushed anew;
+//   - a frame that says it took longer than a tenth of a second moves as if it had taken so long, one that took less
+//     than nothing not at all;
+//   - a number that is none counts as nothing wanted, and a pose of which one number is none, or that stands ten
+//     kilometres off in the room, as not tracked;
+//   - nobody gets farther from the origin of walk space than a rig may (rig.h).
 
 #include "input/rig.h"
 #include "input/wants.h"
@@ -37,18 +45,30 @@ struct Surroundings {
     std::function<std::optional<Surface>(const glm::dvec3& from, const glm::dvec3& direction)> hit;
     std::vector<scene::Pose> captures; ///< heads (looking along -Z) where the scanner stood
     glm::dvec3 homeFeet{0};
-    double homeHeading = 0;
+    double homeHeading = 0, homeScale = 1;
 };
+
+/// Why nobody can go to where a hand points.
+enum class Refusal { unseen, tooFar, tooSteep };
 
 /// Where the walker would go if the hand let go now.
 struct TeleportTarget {
     std::size_t hand = 0;
     glm::dvec3 from{0}, to{0}; ///< walk space
-    bool isAllowed = false;    ///< seen, flat enough, near enough
+    std::optional<Refusal> refusal;
+    bool isAllowed() const { return !refusal; }
+};
+
+/// Where recentring brings a head from wherever it has drifted to, in tracking space: the middle of the room, or where
+/// the head was when it was brought somewhere.
+struct Middle {
+    glm::dvec3 place{0}; ///< its height does not matter
+    double heading = 0;
 };
 
 struct Locomotion {
     Rig rig;
+    Middle middle;
     double speedFactor = 1; ///< over the settings' speed
     double vignette = 0;    ///< 0 none to 1 narrowest
     std::optional<TeleportTarget> target;
@@ -63,6 +83,11 @@ struct Locomotion {
 /// The state after a frame in which the walker wanted this.
 Locomotion step(const Locomotion& before, const Wants& wants, const LocomotionSettings& settings,
                 const Surroundings& surroundings);
+
+/// The walker brought elsewhere, as after tracking space itself has changed: what was held, aimed at or pushed is let
+/// go.
+Locomotion brought(const Locomotion& before, const scene::Pose& trackingFromHead, const glm::dvec3& feet,
+                   double heading, double scale);
 
 /// Metres a second, in walk space, with the stick pushed all the way.
 double speedOf(const Locomotion& state, const LocomotionSettings& settings);

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <numbers>
 
+#include <glm/geometric.hpp>
+
 namespace input {
 
 namespace {
@@ -28,6 +30,12 @@ glm::dvec3 Rig::toWalk(const glm::dvec3& p) const {
 
 scene::Pose Rig::toWalk(const scene::Pose& trackingFromThing) const {
     return {rotation() * trackingFromThing.rotation, toWalk(trackingFromThing.translation)};
+}
+
+bool isUsable(const Rig& rig) {
+    // Comparisons with what is no number are false.
+    return glm::length(rig.origin) < kFarthest && std::isfinite(rig.yaw) && rig.scale >= kSmallestScale &&
+           rig.scale <= kLargestScale;
 }
 
 double headingOf(const glm::dmat3& rotation) {

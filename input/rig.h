@@ -9,6 +9,10 @@
 
 namespace input {
 
+inline constexpr double kSmallestScale = 1e-3, kLargestScale = 1e4;
+/// From the origin of walk space, metres: a million kilometres, where a double still knows a micrometre.
+inline constexpr double kFarthest = 1e9;
+
 struct Rig {
     glm::dvec3 origin{0}; ///< of tracking space, in walk space
     double yaw = 0;       ///< radians about +Y; positive to the left
@@ -19,6 +23,9 @@ struct Rig {
     /// Of a head, hand or eye; distances are scaled, its axes keep their length.
     scene::Pose toWalk(const scene::Pose& trackingFromThing) const;
 };
+
+/// All its numbers are some, its scale and distance within the limits above.
+bool isUsable(const Rig& rig);
 
 /// The heading of a head that looks along -Z, radians about +Y: of its crown or chin where it looks straight up or
 /// down.

@@ -25,6 +25,7 @@ struct Hand {
 struct Wants {
     double seconds = 0;           ///< since the frame before
     scene::Pose trackingFromHead; ///< in this frame
+    bool isHeadTracked = true;    ///< false: trackingFromHead is an old one, or made up; the walker stays
     std::array<Hand, kHands> hands{};
     glm::dvec2 move{0}; ///< to the right and ahead of where the head looks, each -1 to 1
     double climb = 0;   ///< -1 down to 1 up

@@ -124,7 +124,7 @@ TEST_F(Controllers, TeleportGoesWhereTheHandPointed) {
     state_.right.stageFromGrip = remotePose(poseAt({0.3, 1.1, -0.2}, 0.4, -0.6));
     state_.right.a = true;
     say();
-    ASSERT_TRUE(walker_.target && walker_.target->isAllowed);
+    ASSERT_TRUE(walker_.target && walker_.target->isAllowed());
     const scene::Pose aim = wants_.hands[kRight].trackingFromAim;
     const glm::dvec3 direction = -aim.rotation[2];
     const glm::dvec3 expected = aim.translation - (aim.translation.y / direction.y) * direction;
