@@ -32,6 +32,8 @@ constexpr double kSamePlace = 1e-3;
 
 /// How often a headset that is not there is looked for: OpenXR has no event for a runtime that appears.
 constexpr std::chrono::milliseconds kLookAgain{500};
+/// Beside a walk at the desk: a runtime that cannot be reached may have much to say about it each time.
+constexpr std::chrono::milliseconds kLookAgainAtDesk{2000};
 
 /// The head's pose along a path file.
 xr::Headless::Path pathOf(const std::filesystem::path& file, const scene::Pose& walkFromWorld) {
@@ -169,7 +171,7 @@ bool Walk::waitForHeadset(std::optional<WalkStage>& stage) {
 bool Walk::seekHeadset() {
     const auto now = std::chrono::steady_clock::now();
     if (!sought_.valid()) {
-        if (now - soughtAt_ < kLookAgain) return false;
+        if (now - soughtAt_ < kLookAgainAtDesk) return false;
         soughtAt_ = now;
         sought_ = std::async(std::launch::async, []() -> std::unique_ptr<xr::Runtime> {
             try {
