@@ -31,7 +31,7 @@ class DeskWindow {
     DeskWindow(xr::Window& window, Desk& desk, xr::Desktop& desktop)
         : window_(window), desk_(desk), desktop_(desktop), keyboard_(window.handle()), knobs_(desk.knobs()) {}
 
-    void run() {
+    DeskEnd run() {
         while (window_.isOpen() && !desk_.isOver()) {
             window_.takeEvents(kTick);
             listen();
@@ -47,6 +47,8 @@ class DeskWindow {
         }
         keeper_.endFilm();
         desktop_.close();
+        if (desk_.isOver()) return DeskEnd::walkOver;
+        return hasLeft_ ? DeskEnd::left : DeskEnd::windowClosed;
     }
 
   private:
@@ -87,7 +89,10 @@ class DeskWindow {
         if (says.said(Command::unseen)) state_.showsUnseen = !state_.showsUnseen;
         if (says.said(Command::cameras)) knobs_.showsCameras = !knobs_.showsCameras;
         if (says.said(Command::floorGrid)) knobs_.settings.showsFloorGrid = !knobs_.settings.showsFloorGrid;
-        if (says.said(Command::quit)) window_.close();
+        if (says.said(Command::quit)) {
+            hasLeft_ = true;
+            window_.close();
+        }
     }
 
     void resize() {
@@ -125,13 +130,13 @@ class DeskWindow {
     PanelState state_;
     PictureKeeper keeper_;
     render::FramePictures pictures_;
-    bool isPointing_ = false;
+    bool isPointing_ = false, hasLeft_ = false;
 };
 
 } // namespace
 
-void runDeskWindow(xr::Window& window, Desk& desk, xr::Desktop& desktop) {
-    DeskWindow(window, desk, desktop).run();
+DeskEnd runDeskWindow(xr::Window& window, Desk& desk, xr::Desktop& desktop) {
+    return DeskWindow(window, desk, desktop).run();
 }
 
 } // namespace app

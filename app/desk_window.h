@@ -8,8 +8,14 @@
 
 namespace app {
 
+enum class DeskEnd {
+    walkOver,
+    windowClosed, ///< by the button in its frame: whoever wears a headset may walk on
+    left          ///< by the key: the walk is to end
+};
+
 /// Until the walk is over or the window is closed; in the thread that runs main. desktop is told of the window's size,
 /// of the pictures that are wanted, and in the end that it is over.
-void runDeskWindow(xr::Window& window, Desk& desk, xr::Desktop& desktop);
+DeskEnd runDeskWindow(xr::Window& window, Desk& desk, xr::Desktop& desktop);
 
 } // namespace app

@@ -44,6 +44,7 @@ void addRing(render::Overlay& overlay, const glm::dvec3& centre, const glm::dvec
 
 void addFloorGrid(render::Overlay& overlay, const scene::Pose& worldFromWalk, const glm::dvec3& aroundInWalk,
                   double height, double radius) {
+    constexpr double kLift = 0.01; // metres: a scanned floor is that rough
     // A line that runs along axis `along`, cut at each metre so that it can fade.
     const auto addRow = [&](int along, double offset) {
         const int over = 2 - along;
@@ -52,7 +53,7 @@ void addFloorGrid(render::Overlay& overlay, const scene::Pose& worldFromWalk, co
         if (half2 <= 0) return;
         const double from = aroundInWalk[along] - std::sqrt(half2), to = aroundInWalk[along] + std::sqrt(half2);
         const auto at = [&](double t) {
-            glm::dvec3 p(0, height, 0);
+            glm::dvec3 p(0, height + kLift, 0);
             p[along] = t, p[over] = offset;
             return worldFromWalk * p;
         };

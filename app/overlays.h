@@ -16,7 +16,7 @@ inline constexpr scene::Rgb8 kAllowedColour{70, 230, 110}, kRefusedColour{255, 8
 /// Lines a metre apart, on whole metres of walk space, at that height above its floor, out to radius around a place;
 /// they fade towards there, and show a little through what lies on the floor.
 void addFloorGrid(render::Overlay& overlay, const scene::Pose& worldFromWalk, const glm::dvec3& aroundInWalk,
-                  double height = 0.01, double radius = 6);
+                  double height = 0, double radius = 6);
 
 /// The beam by its points, and a ring of that radius on the floor at its last one.
 void addTeleport(render::Overlay& overlay, std::span<const glm::dvec3> beamInWorld, const glm::dvec3& upInWorld,

@@ -99,10 +99,13 @@ void walkBesideWindow(const scene::Scene& scene, WalkOptions options, xr::Window
             failure = std::current_exception();
         }
         desk.leave();
-        xr::Window::wake();
     });
     try {
-        runDeskWindow(window, desk, desktop);
+        const DeskEnd end = runDeskWindow(window, desk, desktop);
+        if (end == DeskEnd::left) Walk::askToEnd();
+        if (end == DeskEnd::windowClosed && !desk.facts().isAtDesk)
+            std::fprintf(stderr, "the window is closed; the walk goes on in the headset (Ctrl-C ends it)\n");
+        window.hide();
     } catch (...) {
         Walk::askToEnd();
         desktop.close();

@@ -14,6 +14,9 @@ namespace render {
 
 namespace {
 
+/// Pixels: nothing is drawn wider or higher.
+constexpr double kWidest = 4096;
+
 /// A point on the screen.
 struct Seen {
     glm::dvec2 place{0};  ///< pixels
@@ -131,7 +134,7 @@ class StrokeList {
 
 void addSegment(const Segment& segment, const scene::View& eye, StrokeList& strokes) {
     glm::dvec3 a = inEye(eye, segment.a), b = inEye(eye, segment.b);
-    if (!isFinite(a) || !isFinite(b) || !(segment.widthPixels > 0) || !std::isfinite(segment.widthPixels))
+    if (!isFinite(a) || !isFinite(b) || !(segment.widthPixels > 0) || segment.widthPixels > kWidest)
         return strokes.drop();
     if (a.z < kOverlayNearMetres && b.z < kOverlayNearMetres) return;
     const auto cutAtNear = [](const glm::dvec3& hidden, const glm::dvec3& seen) {
@@ -150,7 +153,7 @@ void addLabel(const Label& label, const scene::View& eye, StrokeList& strokes) {
     const glm::dvec3 at = inEye(eye, label.at);
     const double height = label.heightPixels > 0 ? static_cast<double>(label.heightPixels)
                                                  : eye.camera.fy * static_cast<double>(label.heightRadians);
-    if (!isFinite(at) || !(height > 0) || !std::isfinite(height)) return strokes.drop();
+    if (!isFinite(at) || !(height > 0) || height > kWidest) return strokes.drop();
     if (at.z < kOverlayNearMetres || label.text.empty()) return;
     const Seen anchor = seenFrom(eye.camera, at);
     const double unit = height / kGlyphHeight;
@@ -179,11 +182,11 @@ void addLabel(const Label& label, const scene::View& eye, StrokeList& strokes) {
 OverlayConstants constantsOf(const scene::Camera& camera, float vignette) {
     constexpr float kNone = 1e9f;
     // From beyond the corners to a third of the way to the edges.
-    constexpr float kWidest = 1.42f, kNarrowest = 0.3f;
+    constexpr float kOuter = 1.42f, kInner = 0.3f;
     const float strength = vignette > 0 ? std::min(vignette, 1.f) : 0.f;
     OverlayConstants constants{};
     constants.width = camera.width, constants.height = camera.height;
-    constants.clear = strength > 0 ? kWidest + strength * (kNarrowest - kWidest) : kNone;
+    constants.clear = strength > 0 ? kOuter + strength * (kInner - kOuter) : kNone;
     constants.centre = glm::dvec2(camera.cx, camera.cy);
     constants.perRadius =
         1.0 / glm::dvec2(std::max(camera.cx, camera.width - camera.cx), std::max(camera.cy, camera.height - camera.cy));

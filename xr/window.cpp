@@ -81,6 +81,11 @@ int Window::height() const {
     return height;
 }
 
+void Window::hide() {
+    glfwHideWindow(window_);
+    glfwPollEvents();
+}
+
 void Window::toggleFullScreen() {
     if (glfwGetWindowMonitor(window_) != nullptr) {
         glfwSetWindowMonitor(window_, nullptr, placeX_, placeY_, placeWidth_, placeHeight_, GLFW_DONT_CARE);

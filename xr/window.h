@@ -34,6 +34,8 @@ class Window {
     GLFWwindow* handle() const { return window_; }
     bool isOpen() const;
     void close();
+    /// It is there but cannot be seen any more.
+    void hide();
     void toggleFullScreen();
     /// Pixels, 0 while it is an icon.
     int width() const;

@@ -137,10 +137,12 @@ TEST_F(OverlayTest, WhatIsOffTheScreenOrNowhereIsLeftOut) {
     overlay.segments.push_back({{kNaN, 0, 1}, {0, 0, 1}, kGreen, 4});
     overlay.segments.push_back({{0, 0, 1}, {kInf, 0, 1}, kGreen, 4});
     overlay.segments.push_back({{0, 0, 1}, {1, 0, 1}, kGreen, std::numeric_limits<float>::quiet_NaN()});
+    overlay.segments.push_back({{0, 0, 1}, {1, 0, 1}, kGreen, 1e30f});
+    overlay.labels.push_back({{0, 0, 1}, "huge", kGreen, 1e20f});
     overlay.segments.push_back({{1e308, 0, 0.02}, {-1e308, 0, 0.02}, kGreen, 3});
     overlay.labels.push_back({{0, 0, kNaN}, "nowhere", kGreen});
     EXPECT_TRUE(isSame(draw(overlay)[0], bare[0]));
-    EXPECT_EQ(stats_.eyes[0].overlayDropped, 5u);
+    EXPECT_EQ(stats_.eyes[0].overlayDropped, 7u);
 }
 
 TEST_F(OverlayTest, MoreThanFitsIsDroppedAndCounted) {
