@@ -222,7 +222,7 @@ input::Wants Walk::hearWants(WalkStage& stage, const xr::ViewSource& source, con
     input::Wants wants;
     if (deskSide_ != nullptr) {
         const input::DeskSays says = deskSide_->desk.hear();
-        if (says.said(input::Command::startHere)) startHere();
+        startsHere_ = says.said(input::Command::startHere);
         if (isDesk(source)) {
             wants = says.wants;
             // The mouse is a hand: what it points at lies along a ray from the eye through the cursor.
@@ -350,6 +350,8 @@ void Walk::draw(WalkStage& stage, xr::ViewSource& source, const xr::Frame& frame
         facts_.place = walkFromHead.translation;
         heading_ = input::headingOf(walkFromHead.rotation);
     }
+    // Where this frame's steps have led, too.
+    if (std::exchange(startsHere_, false)) startHere();
     record_.addPose(frame.seconds, walkFromHead, rig);
 
     render::Renderer& renderer = stage.rendererFor(source);

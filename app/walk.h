@@ -71,7 +71,7 @@ class Walk {
     Knobs knobs_;
     scene::Pose worldFromWalk_;
     std::optional<input::StartPose> start_;
-    bool hasBegun_ = false;
+    bool hasBegun_ = false, startsHere_ = false;
     input::Surroundings surroundings_;
     input::Locomotion locomotion_;
     std::optional<bool> wasAtDesk_; ///< in the frame before
