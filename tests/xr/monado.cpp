@@ -14,12 +14,15 @@
 #include <netinet/in.h>
 #include <poll.h>
 #include <sys/inotify.h>
-#include <sys/pidfd.h>
 #include <sys/prctl.h>
 #include <sys/socket.h>
 #include <sys/un.h>
 #include <sys/wait.h>
 #include <unistd.h>
+
+extern "C" { // which glibc 2.36 forgets to say itself
+#include <sys/pidfd.h>
+}
 
 namespace xr {
 
@@ -198,7 +201,7 @@ void Monado::waitUntilStarted(int serviceDescriptor) const {
     if (inotify_add_watch(changes.number, (folder_ / "service.txt").c_str(), IN_MODIFY) < 0)
         fail("cannot watch its output");
     const auto deadline = std::chrono::steady_clock::now() + kPatience;
-    while (!serviceOutput().contains("service has started")) {
+    while (serviceOutput().find("service has started") == std::string::npos) {
         const auto left =
             std::chrono::duration_cast<std::chrono::milliseconds>(deadline - std::chrono::steady_clock::now());
         std::array<pollfd, 2> events{{{changes.number, POLLIN, 0}, {serviceDescriptor, POLLIN, 0}}};

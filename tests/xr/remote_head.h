@@ -39,7 +39,7 @@ struct RemoteController {
 struct RemoteState {
     RemotePose stageFromHead{.position = {0, 1.6f, 0}};
     /// Left and right; without them, 85 degrees across each, and 63 mm between them.
-    std::optional<std::array<RemoteEye, 2>> eyes;
+    std::optional<std::array<RemoteEye, 2>> eyes = std::nullopt;
     RemoteController left{.stageFromGrip = {.position = {-0.2f, 1.3f, -0.5f}}};
     RemoteController right{.stageFromGrip = {.position = {0.2f, 1.3f, -0.5f}}};
 };
