@@ -12,3 +12,8 @@ revisit_test(revisit_headset_tests LABELS gpu LINKS revisit_monado render xr
 revisit_program_test(revisit_headset_walk_tests LABELS data programs TIMEOUT 400
     SOURCES app/comparison.cpp app/program.cpp app/sample_scene.cpp app/walker.cpp xr/headset_walk_test.cpp)
 target_link_libraries(revisit_headset_walk_tests PRIVATE revisit_monado scene)
+
+# What may happen on the way.
+revisit_program_test(revisit_headset_world_tests LABELS programs TIMEOUT 300
+    SOURCES app/comparison.cpp app/program.cpp app/sample_scene.cpp app/walker.cpp xr/runtime_dies_test.cpp)
+target_link_libraries(revisit_headset_world_tests PRIVATE revisit_monado scene)
