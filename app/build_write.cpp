@@ -1,6 +1,7 @@
 // The scene folder: images, tiles and manifest, under a temporary name until all is there.
 
 #include "app/build_stages.h"
+#include "app/notes.h"
 #include "app/progress.h"
 #include "app/version.h"
 
@@ -83,6 +84,15 @@ void putInPlace(const std::filesystem::path& part, const std::filesystem::path& 
         throw scene::Failure(std::string("cannot be exchanged for the new scene (") + std::strerror(errno) + ")",
                              output, "remove the old scene, or give another name with -o");
     std::filesystem::remove_all(part, ignored);
+}
+
+/// A scene that is built anew keeps what walkers noted in it: world coordinates are the capture's own.
+void carryNotes(const std::filesystem::path& from, const std::filesystem::path& part) {
+    const std::filesystem::path name = NotesFile(from).path().filename();
+    std::error_code error;
+    if (!std::filesystem::exists(from / name, error)) return;
+    std::filesystem::copy_file(from / name, part / name, error);
+    if (error) throw scene::Failure("cannot be copied (" + error.message() + ")", from / name, kWriteRemedy);
 }
 
 void writeImages(const std::filesystem::path& folder, const ImportedImages& imported, const TileStage& tiles) {
@@ -174,6 +184,7 @@ void writeScene(const std::filesystem::path& output, const scene::Capture& captu
         const scene::Scene written = scene::openScene(part);
         manifest["walk_from_world"] = rowMajor(findWalkSpace(written.images, written.blocks, imported.uprightInWorld));
         writeWhole(part / "scene.json", textOf(manifest));
+        carryNotes(output, part);
         sync();
         putInPlace(part, output);
     } catch (...) {

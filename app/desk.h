@@ -2,6 +2,7 @@
 // What the thread with the window and the thread that walks tell each other. Neither waits for the other.
 
 #include "input/keyboard.h"
+#include "input/settings.h"
 #include "render/quality.h"
 #include "render/renderer.h"
 
@@ -16,7 +17,8 @@ struct Knobs {
     render::Quality quality;
     double resolutionScale = 1; ///< at the desk: pixels of a picture's side over the window's
     int deskEyes = 1;
-    bool showsCameras = false, showsFloorGrid = false;
+    bool showsCameras = false;
+    input::Settings settings;
 };
 
 /// What the panel says of the walk.

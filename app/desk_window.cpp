@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <utility>
 
 namespace app {
 
@@ -62,6 +63,8 @@ class DeskWindow {
             isPointing_ = share.x >= 0 && share.x < 1 && share.y >= 0 && share.y < 1;
             if (isPointing_) says.cursor = share;
         }
+        if (std::exchange(state_.startsHere, false))
+            says.commands.set(static_cast<std::size_t>(input::Command::startHere));
         if (!isPointing_) says.picks = says.teleports = false;
         desk_.say(says);
     }
@@ -83,7 +86,7 @@ class DeskWindow {
                 knobs_.quality.warp == render::Warp::points ? render::Warp::mesh : render::Warp::points;
         if (says.said(Command::unseen)) state_.showsUnseen = !state_.showsUnseen;
         if (says.said(Command::cameras)) knobs_.showsCameras = !knobs_.showsCameras;
-        if (says.said(Command::floorGrid)) knobs_.showsFloorGrid = !knobs_.showsFloorGrid;
+        if (says.said(Command::floorGrid)) knobs_.settings.showsFloorGrid = !knobs_.settings.showsFloorGrid;
         if (says.said(Command::quit)) window_.close();
     }
 
@@ -93,7 +96,8 @@ class DeskWindow {
         const auto scaled = [&](int pixels) {
             return std::max(1, static_cast<int>(std::lround(pixels * knobs_.resolutionScale)));
         };
-        desktop_.resize(scaled(width / knobs_.deskEyes), scaled(height), knobs_.deskEyes);
+        desktop_.resize(scaled(width / knobs_.deskEyes), scaled(height), knobs_.deskEyes,
+                        knobs_.settings.eyeHeightMetres);
     }
 
     std::vector<xr::WindowPicture> shownPictures() const {

@@ -1,5 +1,7 @@
 #include "app/info.h"
 
+#include "app/notes.h"
+
 #include "scene/scene_file.h"
 
 #include <cstdio>
@@ -25,15 +27,30 @@ std::string shareText(double part, double whole) {
     return text;
 }
 
+void printNotes(const Notes& notes) {
+    for (const Note& note : notes.list) {
+        const glm::dvec3 &a = note.from, &b = note.to;
+        if (note.kind == Note::Kind::point)
+            std::printf("  point      %s: %.3f %.3f %.3f\n", note.label.c_str(), a.x, a.y, a.z);
+        if (note.kind == Note::Kind::distance)
+            std::printf("  distance   %s: from %.3f %.3f %.3f to %.3f %.3f %.3f\n", note.label.c_str(), a.x, a.y, a.z,
+                        b.x, b.y, b.z);
+    }
+}
+
 } // namespace
 
 void printInfo(const std::filesystem::path& folder, bool asJson) {
     const scene::Scene scene = scene::openScene(folder);
     json info = json::parse(scene.manifest);
+    const Notes notes = NotesFile(folder).read();
+    info["notes"] = json::array();
+    for (const Note& note : notes.list)
+        info["notes"].push_back(note.fields);
     info["bytes_on_disk"] = bytesOnDisk(folder);
     info["tiles_bytes"] = scene.tilesFile.bytes().size();
     if (asJson) {
-        std::printf("%s\n", info.dump(1).c_str());
+        std::printf("%s\n", info.dump(1, ' ', false, json::error_handler_t::replace).c_str());
         return;
     }
     const json& f = info.at("figures");
@@ -63,6 +80,7 @@ void printInfo(const std::filesystem::path& folder, bool asJson) {
         std::printf("  built      %s\n", reason.get<std::string>().c_str());
     for (const json& remark : info.at("provenance").at("remarks"))
         std::printf("  note       %s\n", remark.get<std::string>().c_str());
+    printNotes(notes);
 }
 
 } // namespace app

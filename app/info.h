@@ -5,7 +5,7 @@
 
 namespace app {
 
-/// Prints to stdout: for people, or scene.json's content and what is on disk as JSON. Throws scene::Failure.
+/// Prints to stdout: for people, or scene.json's content, notes and what is on disk as JSON. Throws scene::Failure.
 void printInfo(const std::filesystem::path& scene, bool asJson);
 
 } // namespace app

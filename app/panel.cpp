@@ -68,7 +68,7 @@ void drawKnobs(PanelState& state, Knobs& knobs) {
     ImGui::SameLine();
     ImGui::Checkbox("cameras", &knobs.showsCameras);
     ImGui::SameLine();
-    ImGui::Checkbox("floor", &knobs.showsFloorGrid);
+    ImGui::Checkbox("floor", &knobs.settings.showsFloorGrid);
     int view = static_cast<int>(state.view);
     ImGui::RadioButton("walker", &view, 0);
     ImGui::SameLine();
@@ -76,6 +76,30 @@ void drawKnobs(PanelState& state, Knobs& knobs) {
     ImGui::SameLine();
     ImGui::RadioButton("both eyes", &view, 2);
     state.view = static_cast<PanelState::View>(view);
+}
+
+bool slide(const char* title, double& value, double least, double most, const char* format) {
+    float shown = static_cast<float>(value);
+    if (!ImGui::SliderFloat(title, &shown, static_cast<float>(least), static_cast<float>(most), format)) return false;
+    value = std::clamp(static_cast<double>(shown), least, most);
+    return true;
+}
+
+void drawWalking(PanelState& state, Knobs& knobs) {
+    if (!ImGui::TreeNode("walking")) return;
+    input::LocomotionSettings& settings = knobs.settings.locomotion;
+    for (const double degrees : {15.0, 30.0, 45.0, 0.0}) {
+        const std::string title = degrees > 0 ? "turn " + std::to_string(static_cast<int>(degrees)) : "smoothly";
+        if (ImGui::RadioButton(title.c_str(), settings.snapDegrees == degrees)) settings.snapDegrees = degrees;
+        if (degrees > 0) ImGui::SameLine();
+    }
+    slide("turning", settings.turnDegreesPerSecond, 10, 360, "%.0f degrees/s");
+    slide("speed", settings.metresPerSecond, 0.1, 20, "%.1f m/s");
+    slide("eye height", knobs.settings.eyeHeightMetres, 0.1, 3, "%.2f m");
+    ImGui::Checkbox("fly where one looks", &settings.flies);
+    ImGui::Checkbox("darken the rim in motion", &settings.hasVignette);
+    if (ImGui::Button("start here")) state.startsHere = true;
+    ImGui::TreePop();
 }
 
 void drawHelp() {
@@ -109,6 +133,7 @@ void drawPanel(const WalkFacts& facts, PanelState& state, Knobs& knobs) {
         drawFacts(facts);
         ImGui::Separator();
         drawKnobs(state, knobs);
+        drawWalking(state, knobs);
         ImGui::Separator();
         drawHelp();
         if (!facts.notice.empty()) ImGui::TextWrapped("%s", facts.notice.c_str());

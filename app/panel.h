@@ -10,6 +10,7 @@ struct PanelState {
     bool isOpen = true;
     bool showsUnseen = false; ///< tints what was filled, and what nobody saw
     bool isFilming = false;
+    bool startsHere = false; ///< said once: walks through this scene begin here
     enum class View { walker, left, both } view = View::walker;
 };
 

@@ -1,8 +1,11 @@
 #include "app/walk.h"
 
-#include "app/view_files.h"
+#include "app/overlays.h"
+#include "app/stage_store.h"
 
+#include "input/path.h"
 #include "scene/errors.h"
+#include "scene/pick.h"
 #include "xr/check.h"
 #include "xr/window.h"
 
@@ -10,6 +13,9 @@
 #include <csignal>
 #include <cstdio>
 #include <thread>
+#include <utility>
+
+#include <glm/geometric.hpp>
 
 namespace app {
 
@@ -19,22 +25,40 @@ using nlohmann::json;
 
 volatile std::sig_atomic_t wasAskedToEnd = 0;
 
+constexpr const char* kStartFile = "start.json";
+
 /// How often a headset that is not there is looked for: OpenXR has no event for a runtime that appears.
 constexpr std::chrono::milliseconds kLookAgain{500};
 
-/// The head's pose along a path file, at the keys' times.
-xr::Headless::Path pathOf(const WalkOptions& options, const scene::Scene& scene) {
-    const scene::Camera anyCamera{1, 1, 1, 1, 0.5, 0.5};
-    std::vector<NamedView> keys = readPathFile(options.path, scene.walkFromWorld, anyCamera);
-    const scene::Pose cameraFromHead{glm::dmat3(1, 0, 0, 0, -1, 0, 0, 0, -1), glm::dvec3(0)};
-    return [keys = std::move(keys), walkFromWorld = scene.walkFromWorld,
-            cameraFromHead](double seconds) -> std::optional<scene::Pose> {
-        if (seconds > keys.back().seconds) return std::nullopt;
-        const auto next = std::upper_bound(keys.begin(), keys.end(), seconds + 1e-9,
-                                           [](double t, const NamedView& key) { return t < key.seconds; });
-        const NamedView& key = next == keys.begin() ? keys.front() : *std::prev(next);
-        return walkFromWorld * key.worldFromCamera * cameraFromHead;
-    };
+/// The head's pose along a path file.
+xr::Headless::Path pathOf(const std::filesystem::path& file, const scene::Pose& walkFromWorld) {
+    input::RecordedPath recorded = input::readPath(file);
+    if (recorded.keys.size() > 1 && recorded.keys.front().seconds == recorded.keys.back().seconds)
+        throw scene::Failure("says of no pose when it is reached", file, "give each its t in seconds");
+    if (recorded.space == input::PathSpace::world)
+        for (input::PathKey& key : recorded.keys)
+            key.spaceFromHead = walkFromWorld * key.spaceFromHead;
+    return input::SmoothPath(std::move(recorded.keys));
+}
+
+/// A broken one is told of and passed over: the walk begins where the scene does.
+std::optional<input::StartPose> readStartOf(const scene::Scene& scene) {
+    try {
+        return input::readStart(scene.folder / kStartFile);
+    } catch (const scene::Failure& failure) {
+        std::fprintf(stderr, "revisit: %s\n", failure.what());
+        return std::nullopt;
+    }
+}
+
+/// A ray from an eye through a place in its picture: a pose that looks along it.
+scene::Pose aimThrough(const scene::View& eye, const glm::dvec2& pixel) {
+    const scene::Camera& c = eye.camera;
+    const glm::dvec3 inCamera{(pixel.x - c.cx) / c.fx, (pixel.y - c.cy) / c.fy, 1};
+    const glm::dvec3 back = -glm::normalize(eye.worldFromEye.rotation * inCamera);
+    const glm::dvec3 right =
+        glm::normalize(eye.worldFromEye.rotation[0] - glm::dot(eye.worldFromEye.rotation[0], back) * back);
+    return {glm::dmat3(right, glm::cross(back, right), back), eye.worldFromEye.translation};
 }
 
 } // namespace
@@ -42,6 +66,7 @@ xr::Headless::Path pathOf(const WalkOptions& options, const scene::Scene& scene)
 Knobs Walk::knobsOf(const WalkOptions& options) {
     Knobs knobs;
     knobs.quality = qualityOf(options.draw);
+    knobs.settings = options.settings;
     return knobs;
 }
 
@@ -60,7 +85,12 @@ bool Walk::isAskedToEnd() const {
 Walk::Walk(const scene::Scene& scene, const WalkOptions& options, DeskSide* deskSide)
     : scene_(scene), options_(options), deskSide_(deskSide), knobs_(knobsOf(options)),
       worldFromWalk_(inverse(scene.walkFromWorld)), record_(options) {
-    if (!options.path.empty()) path_ = pathOf(options, scene);
+    if (!options.path.empty()) path_ = pathOf(options.path, scene.walkFromWorld);
+    if (!options.isHeadless) start_ = readStartOf(scene);
+    if (start_) surroundings_.homeFeet = start_->feet, surroundings_.homeHeading = start_->heading;
+    surroundings_.hit = [this](const glm::dvec3& from, const glm::dvec3& d) { return hit(from, d); };
+    for (const scene::SceneImage& image : scene.images)
+        surroundings_.captures.push_back(scene.walkFromWorld * image.worldFromCamera * scene::headFromCamera());
 }
 
 void Walk::say(const std::string& notice) {
@@ -106,7 +136,6 @@ bool Walk::change(Outcome outcome, std::optional<WalkStage>& stage) {
     stage.reset();
     try {
         stage.emplace(WalkStage::inHeadset(scene_, std::move(found_)));
-        firstHead_.reset();
     } catch (const std::exception&) {
         // It went away again at once.
         stage.emplace(WalkStage::atDesk(scene_, deskSide_->desktop));
@@ -176,36 +205,124 @@ void Walk::drawFrame(WalkStage& stage, xr::ViewSource& source, const xr::Frame& 
     ++frame_;
 }
 
-/// A path leads the walker; in a headset the head moves about it as it likes.
-void Walk::lead(const xr::Frame& frame) {
-    if (options_.isHeadless || !path_) return;
-    const auto led = path_(frame.seconds);
-    if (!led) return;
-    if (!firstHead_) firstHead_ = frame.trackingFromHead;
-    walkFromTracking_ = *led * inverse(*firstHead_);
+input::Wants Walk::hearWants(WalkStage& stage, const xr::ViewSource& source, const xr::Frame& frame) {
+    input::Wants wants;
+    if (deskSide_ != nullptr) {
+        const input::DeskSays says = deskSide_->desk.hear();
+        if (says.said(input::Command::startHere)) startHere();
+        if (isDesk(source)) {
+            wants = says.wants;
+            // The mouse is a hand: what it points at lies along a ray from the eye through the cursor.
+            const scene::View& eye = frame.eyes[0];
+            const glm::dvec2 pixel{says.cursor.x * eye.camera.width, says.cursor.y * eye.camera.height};
+            input::Hand& hand = wants.hands[1];
+            hand.isTracked = true;
+            hand.trackingFromAim = aimThrough(eye, pixel);
+            hand.trackingFromGrip = hand.trackingFromAim;
+            hand.picks = says.picks, hand.teleports = says.teleports;
+        } else {
+            // Whoever helps at the desk may bring the wearer somewhere, but not push them along.
+            wants.home = says.wants.home, wants.recentre = says.wants.recentre;
+            wants.next = says.wants.next, wants.previous = says.wants.previous;
+            wants.undo = says.wants.undo;
+        }
+    }
+    if (!isDesk(source) && stage.actions() != nullptr) stage.actions()->read(stage.headset()->displayTime(), wants);
+    wants.trackingFromHead = frame.trackingFromHead;
+    wants.seconds = frame.seconds - std::exchange(wentAt_, frame.seconds);
+    return wants;
+}
+
+void Walk::startHere() {
+    start_ =
+        input::StartPose{{facts_.place.x, locomotion_.rig.origin.y, facts_.place.z}, heading_, locomotion_.rig.scale};
+    surroundings_.homeFeet = start_->feet, surroundings_.homeHeading = start_->heading;
+    try {
+        writeWhole(scene_.folder / kStartFile, input::textOf(*start_));
+        say("walks through this scene begin here");
+    } catch (const scene::Failure& failure) {
+        say("revisit: " + std::string(failure.what()));
+    }
+}
+
+void Walk::go(WalkStage& stage, const xr::ViewSource& source, const xr::Frame& frame) {
+    const scene::Pose& head = frame.trackingFromHead;
+    if (wasAtDesk_ && *wasAtDesk_ != isDesk(source)) {
+        // Whoever goes on elsewhere goes on from the same place, standing on the same floor.
+        const glm::dvec3 feet{facts_.place.x, locomotion_.rig.origin.y, facts_.place.z};
+        locomotion_.rig = input::rigWithFeetAt(head, feet, heading_, locomotion_.rig.scale);
+        locomotion_.held = {};
+    }
+    wasAtDesk_ = isDesk(source);
+    if (!hasBegun_ && !options_.isHeadless) {
+        hasBegun_ = true;
+        if (start_) locomotion_.rig = input::rigWithFeetAt(head, start_->feet, start_->heading, start_->scale);
+    }
+    const input::Wants wants = hearWants(stage, source, frame);
+    hands_ = wants.hands;
+    if (options_.isHeadless) return; // the path is the head's
+    if (path_) {
+        if (const auto led = path_(frame.seconds)) {
+            if (!firstHead_) firstHead_ = head;
+            locomotion_.rig = input::rigWithHeadAt(*firstHead_, led->translation, input::headingOf(led->rotation), 1);
+        }
+    } else if (frame.isTracked) {
+        locomotion_ = input::step(locomotion_, wants, knobs_.settings.locomotion, surroundings_);
+    }
+}
+
+std::optional<input::Surface> Walk::hit(const glm::dvec3& from, const glm::dvec3& direction) const {
+    const scene::Ray ray{worldFromWalk_ * from, worldFromWalk_.rotation * direction};
+    scene::PickOptions options;
+    options.shownGuesses = knobs_.quality.preference;
+    const std::optional<scene::Pick> pick = scene::pick(scene_.blocks, ray, options);
+    if (!pick || !pick->isSeen) return std::nullopt;
+    // What has no normal is no floor.
+    const glm::dvec3 normal = pick->normal ? scene_.walkFromWorld.rotation * *pick->normal : glm::dvec3(0);
+    return input::Surface{scene_.walkFromWorld * pick->position, normal};
+}
+
+void Walk::fillOverlay(const xr::ViewSource& source) {
+    overlay_ = {};
+    // A window on the desk fills no field of view: it makes nobody sick.
+    if (!isDesk(source)) overlay_.vignette = static_cast<float>(locomotion_.vignette);
+    if (knobs_.settings.showsFloorGrid) addFloorGrid(overlay_, worldFromWalk_, facts_.place, locomotion_.rig.origin.y);
+    if (knobs_.showsCameras) addCameras(overlay_, scene_.images, worldFromWalk_ * facts_.place);
+    if (const std::optional<input::TeleportTarget>& target = locomotion_.target) {
+        const std::array beam{worldFromWalk_ * target->from, worldFromWalk_ * target->to};
+        addTeleport(overlay_, beam, worldFromWalk_.rotation * glm::dvec3(0, 1, 0), target->isAllowed,
+                    0.25 * locomotion_.rig.scale);
+    }
+    if (isDesk(source)) return;
+    for (const input::Hand& hand : hands_)
+        if (hand.isTracked) addController(overlay_, worldFromWalk_ * locomotion_.rig.toWalk(hand.trackingFromAim), 0);
 }
 
 void Walk::draw(WalkStage& stage, xr::ViewSource& source, const xr::Frame& frame) {
     if (deskSide_ != nullptr) knobs_ = deskSide_->desk.knobs();
-    lead(frame);
     if (frame.isTracked != wasTracked_)
         say(frame.isTracked ? "the head is tracked again" : "the head is not tracked; its last place is kept");
     wasTracked_ = frame.isTracked;
-    record_.addPose(frame.seconds, walkFromTracking_ * frame.trackingFromHead);
+    go(stage, source, frame);
+    const input::Rig& rig = locomotion_.rig;
+    const scene::Pose walkFromHead = rig.toWalk(frame.trackingFromHead);
+    facts_.place = walkFromHead.translation;
+    heading_ = input::headingOf(walkFromHead.rotation);
+    record_.addPose(frame.seconds, walkFromHead, rig);
 
     render::Renderer& renderer = stage.rendererFor(source);
     const auto eyes = static_cast<std::size_t>(source.eyes());
     std::array<scene::View, xr::kEyes> views;
     std::array<render::EyeOutput, xr::kEyes> outputs;
     for (std::size_t eye = 0; eye < eyes; ++eye) {
-        views[eye] = {frame.eyes[eye].camera, worldFromWalk_ * walkFromTracking_ * frame.eyes[eye].worldFromEye};
+        views[eye] = {frame.eyes[eye].camera, worldFromWalk_ * rig.toWalk(frame.eyes[eye].worldFromEye)};
         outputs[eye].image = frame.images[eye].image;
         outputs[eye].layer = frame.images[eye].layer;
     }
-    const bool isAtDesk = deskSide_ != nullptr && &source == &deskSide_->desktop;
-    if (isAtDesk || (deskSide_ != nullptr && deskSide_->desk.wantsPicture())) renderer.keepNext();
-    stats_ = renderer.draw(std::span(views).first(eyes), knobs_.quality, std::span(outputs).first(eyes));
-    if (deskSide_ != nullptr) mirror(renderer, stage, isAtDesk, frame);
+    if (isDesk(source) || (deskSide_ != nullptr && deskSide_->desk.wantsPicture())) renderer.keepNext();
+    fillOverlay(source);
+    stats_ = renderer.draw(std::span(views).first(eyes), knobs_.quality, std::span(outputs).first(eyes), &overlay_);
+    if (deskSide_ != nullptr) mirror(renderer, isDesk(source), frame);
 
     if (!record_.wantsPicture(static_cast<int>(frame_))) return;
     std::vector<render::EyeImage> pictures = renderer.readBack();
@@ -217,7 +334,7 @@ void Walk::draw(WalkStage& stage, xr::ViewSource& source, const xr::Frame& frame
     }
 }
 
-void Walk::mirror(render::Renderer& renderer, const WalkStage& stage, bool isAtDesk, const xr::Frame& frame) {
+void Walk::mirror(render::Renderer& renderer, bool isAtDesk, const xr::Frame& frame) {
     // At the desk the picture is for the window and is waited for; in a headset the newest that is finished will do.
     if (isAtDesk) stats_ = renderer.finish();
     const auto now = std::chrono::steady_clock::now();
@@ -227,9 +344,9 @@ void Walk::mirror(render::Renderer& renderer, const WalkStage& stage, bool isAtD
     facts_.isAtDesk = isAtDesk;
     facts_.isTracked = frame.isTracked;
     facts_.stats = stats_;
-    facts_.place = walkFromTracking_ * frame.trackingFromHead.translation;
+    facts_.speed = input::speedOf(locomotion_, knobs_.settings.locomotion);
+    facts_.scale = locomotion_.rig.scale;
     deskSide_->desk.tell(facts_);
-    static_cast<void>(stage);
     if (!renderer.takeKept(mirrored_)) return;
     deskSide_->desk.show(mirrored_);
     xr::Window::wake();

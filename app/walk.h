@@ -6,6 +6,8 @@
 #include "app/walk_record.h"
 #include "app/walk_stage.h"
 
+#include "input/locomotion.h"
+
 #include <future>
 #include <optional>
 
@@ -43,9 +45,17 @@ class Walk {
 
     void drawFrame(WalkStage& stage, xr::ViewSource& source, const xr::Frame& frame);
     void draw(WalkStage& stage, xr::ViewSource& source, const xr::Frame& frame);
-    void mirror(render::Renderer& renderer, const WalkStage& stage, bool isAtDesk, const xr::Frame& frame);
-    input::Wants hearWants(WalkStage& stage, const xr::Frame& frame);
-    void lead(const xr::Frame& frame);
+    void mirror(render::Renderer& renderer, bool isAtDesk, const xr::Frame& frame);
+    /// Moves the walker: as the path leads, or as controllers, keys and mouse say.
+    void go(WalkStage& stage, const xr::ViewSource& source, const xr::Frame& frame);
+    /// From now on walks through this scene begin where the walker stands.
+    void startHere();
+    /// Where a ray of walk space meets something really seen.
+    std::optional<input::Surface> hit(const glm::dvec3& from, const glm::dvec3& direction) const;
+    /// What the walker is shown over the scene in this frame.
+    void fillOverlay(const xr::ViewSource& source);
+    input::Wants hearWants(WalkStage& stage, const xr::ViewSource& source, const xr::Frame& frame);
+    bool isDesk(const xr::ViewSource& source) const { return deskSide_ != nullptr && &source == &deskSide_->desktop; }
     /// Looks for a headset in another thread, now and then. True once there is one; found_ is its runtime.
     bool seekHeadset();
     void say(const std::string& notice);
@@ -55,18 +65,27 @@ class Walk {
     const WalkOptions& options_;
     DeskSide* deskSide_;
     Knobs knobs_;
-    scene::Pose worldFromWalk_, walkFromTracking_;
+    scene::Pose worldFromWalk_;
+    std::optional<input::StartPose> start_;
+    bool hasBegun_ = false;
+    input::Surroundings surroundings_;
+    input::Locomotion locomotion_;
+    std::optional<bool> wasAtDesk_; ///< in the frame before
     xr::Headless::Path path_;
     std::optional<scene::Pose> firstHead_;
     WalkRecord record_;
     FrameReport report_;
     nlohmann::json lastReport_;
     render::FrameStats stats_;
+    render::Overlay overlay_;
+    std::array<input::Hand, input::kHands> hands_{}; ///< in the frame before it is drawn
     render::FramePictures mirrored_;
     WalkFacts facts_;
     std::future<std::unique_ptr<xr::Runtime>> sought_;
     std::unique_ptr<xr::Runtime> found_;
     std::chrono::steady_clock::time_point soughtAt_, frameAt_;
+    double heading_ = 0; ///< of the head in the frame before, walk space
+    double wentAt_ = 0;  ///< the time of the frame the walker was moved for last
     std::size_t frame_ = 0;
     bool wasTracked_ = true;
 };

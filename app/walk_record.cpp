@@ -9,11 +9,9 @@ namespace app {
 
 using nlohmann::json;
 
-void WalkRecord::addPose(double seconds, const scene::Pose& walkFromHead) {
+void WalkRecord::addPose(double seconds, const scene::Pose& walkFromHead, const input::Rig& rig) {
     if (options_.record.empty()) return;
-    const glm::dvec3& p = walkFromHead.translation;
-    const glm::dvec4 q = quaternionOf(walkFromHead);
-    poses_.push_back({{"t", seconds}, {"position", {p.x, p.y, p.z}}, {"orientation", {q.x, q.y, q.z, q.w}}});
+    path_.keys.push_back({seconds, walkFromHead, rig});
 }
 
 bool WalkRecord::wantsPicture(int frame) const {
@@ -40,8 +38,7 @@ void WalkRecord::addPicture(int frame, std::size_t eye, const scene::View& view,
 }
 
 void WalkRecord::write(const json& report) const {
-    if (!options_.record.empty())
-        writeWhole(options_.record, json{{"space", "walk"}, {"poses", poses_}}.dump(1) + "\n");
+    if (!options_.record.empty() && !path_.keys.empty()) writeWhole(options_.record, input::textOf(path_));
     if (!cameras_.empty()) writeWhole(options_.out / "cameras.json", json{{"cameras", cameras_}}.dump(1) + "\n");
     if (!options_.out.empty())
         writeWhole(options_.out / "report.json", report.dump(1, ' ', false, json::error_handler_t::replace) + "\n");

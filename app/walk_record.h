@@ -4,6 +4,7 @@
 #include "app/frame_report.h"
 #include "app/walk_scene.h"
 
+#include "input/path.h"
 #include "scene/view.h"
 
 namespace app {
@@ -13,7 +14,7 @@ class WalkRecord {
     /// options must outlive it.
     explicit WalkRecord(const WalkOptions& options) : options_(options) {}
 
-    void addPose(double seconds, const scene::Pose& walkFromHead);
+    void addPose(double seconds, const scene::Pose& walkFromHead, const input::Rig& rig);
     bool wantsPicture(int frame) const;
     /// What the eye was given, and the camera it was given for.
     void addPicture(int frame, std::size_t eye, const scene::View& view, render::EyeImage image);
@@ -23,7 +24,8 @@ class WalkRecord {
 
   private:
     const WalkOptions& options_;
-    nlohmann::json poses_ = nlohmann::json::array(), cameras_ = nlohmann::json::array();
+    input::RecordedPath path_;
+    nlohmann::json cameras_ = nlohmann::json::array();
 };
 
 } // namespace app

@@ -1,6 +1,7 @@
 #include "app/walk_scene.h"
 
 #include "app/desk_window.h"
+#include "app/stage_store.h"
 #include "app/walk.h"
 
 #include "scene/errors.h"
@@ -48,10 +49,44 @@ bool hasDisplay() {
     return isSet("DISPLAY") || isSet("WAYLAND_DISPLAY");
 }
 
+/// The walker's settings: read before the walk, written after it if they were changed. A file that cannot be read is
+/// told of and left as it is.
+class KeptSettings {
+  public:
+    KeptSettings() : file_(input::settingsFile()) {
+        try {
+            read_ = input::readSettings(file_);
+        } catch (const scene::Failure& failure) {
+            std::fprintf(stderr, "revisit: %s; until then settings are not kept\n", failure.what());
+            file_.clear();
+        }
+    }
+    const input::Settings& read() const { return read_; }
+    void keep(const input::Settings& settings) const {
+        if (file_.empty()) return;
+        const std::string before = input::textOf(read_, file_), now = input::textOf(settings, file_);
+        if (now == before) return;
+        std::error_code error;
+        std::filesystem::create_directories(file_.parent_path(), error);
+        try {
+            writeWhole(file_, now);
+        } catch (const scene::Failure& failure) {
+            std::fprintf(stderr, "revisit: %s\n", failure.what());
+        }
+    }
+
+  private:
+    std::filesystem::path file_;
+    input::Settings read_;
+};
+
 /// The window in this thread, the walk in another: neither holds the other up.
-void walkBesideWindow(const scene::Scene& scene, const WalkOptions& options, xr::Window& window) {
+void walkBesideWindow(const scene::Scene& scene, WalkOptions options, xr::Window& window) {
+    const KeptSettings kept;
+    options.settings = kept.read();
     Desk desk(Walk::knobsOf(options));
     xr::DesktopOptions desktopOptions;
+    desktopOptions.eyeHeightMetres = options.settings.eyeHeightMetres;
     desktopOptions.eyeDistanceMetres = options.draw.eyeDistanceMetres;
     desktopOptions.width = window.width(), desktopOptions.height = window.height();
     xr::Desktop desktop(desktopOptions);
@@ -75,7 +110,14 @@ void walkBesideWindow(const scene::Scene& scene, const WalkOptions& options, xr:
         throw;
     }
     walker.join();
+    kept.keep(desk.knobs().settings);
     if (failure) std::rethrow_exception(failure);
+}
+
+void walkAlone(const scene::Scene& scene, WalkOptions options) {
+    // Without a display nothing may depend on who runs it.
+    if (!options.isHeadless) options.settings = KeptSettings().read();
+    Walk(scene, options, nullptr).run();
 }
 
 /// The window if there can be one: needed at the desk, welcome beside a headset.
@@ -109,7 +151,7 @@ void walkScene(const WalkOptions& options) {
     if (const std::unique_ptr<xr::Window> window = openWindow(options))
         walkBesideWindow(scene, options, *window);
     else
-        Walk(scene, options, nullptr).run();
+        walkAlone(scene, options);
 }
 
 } // namespace app

@@ -3,6 +3,8 @@
 
 #include "app/draw_options.h"
 
+#include "input/settings.h"
+
 #include <filesystem>
 
 namespace app {
@@ -19,6 +21,7 @@ struct WalkOptions {
     int width = 640, height = 480; ///< headless; a headset has its own
     double framesPerSecond = 90;   ///< headless: time from frame to frame along the path
     DrawOptions draw;
+    input::Settings settings;
 };
 
 /// Throws scene::Failure.

@@ -12,6 +12,8 @@ namespace {
 
 /// A stick at rest is not quite at nought.
 constexpr double kDeadZone = 0.15;
+/// A controller that was switched on is noticed after so many frames.
+constexpr unsigned kReadsPerQuestion = 64;
 /// The turning stick flies up and down when it is pushed clearly along its other axis.
 constexpr double kClimbZone = 0.6;
 
@@ -194,7 +196,7 @@ void Actions::read(XrTime time, Wants& wants) {
     info.countActiveActionSets = 1;
     info.activeActionSets = &active;
     if (xrSyncActions(session_, &info) != XR_SUCCESS) return; // no focus, or no session any more
-    if (!areControllersKnown_) askForControllers();
+    if (reads_++ % kReadsPerQuestion == 0) askForControllers();
 
     for (std::size_t hand = 0; hand < kHands; ++hand)
         readHand(hand, time, wants.hands[hand]);
@@ -211,7 +213,6 @@ void Actions::read(XrTime time, Wants& wants) {
 }
 
 void Actions::askForControllers() {
-    areControllersKnown_ = true;
     for (std::size_t hand = 0; hand < kHands; ++hand) {
         controllers_[hand].clear();
         XrInteractionProfileState state{};

@@ -29,9 +29,8 @@ class Actions {
     /// Adds to wants what the controllers say, with the hands where they will be at that time. Without focus, nothing.
     void read(XrTime time, Wants& wants);
 
-    /// What each hand holds; empty: nothing that is known. Asked anew by read when the runtime said it had changed.
+    /// What each hand holds; empty: nothing that is known. Asked anew now and then by read.
     const std::string& controller(std::size_t hand) const { return controllers_[hand]; }
-    void controllersChanged() { areControllersKnown_ = false; }
 
     /// Profiles the runtime refused, though it has what they need: for the curious.
     const std::string& refusedProfiles() const { return refused_; }
@@ -61,7 +60,7 @@ class Actions {
     std::array<std::array<XrSpace, kHands>, 2> spaces_{}; ///< aim, grip
     std::array<std::string, kHands> controllers_;
     std::string refused_;
-    bool areControllersKnown_ = false;
+    unsigned reads_ = 0; ///< that had the focus
 };
 
 } // namespace input

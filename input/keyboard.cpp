@@ -22,6 +22,7 @@ constexpr KeyHelp kHelp[] = {
     {"middle button, T", "go where the mouse points, on let go"},
     {"Page Up, Page Down", "next, previous place of the scanner"},
     {"Home, R", "back to the start; recentre"},
+    {"B", "walks through this scene begin here from now on"},
     {"+, -", "faster, slower"},
     {"[, ]", "smaller, larger world"},
     {"F, V", "higher, lower eyes"},
@@ -34,10 +35,11 @@ constexpr KeyHelp kHelp[] = {
 };
 
 constexpr std::pair<int, Command> kCommandKeys[] = {
-    {GLFW_KEY_TAB, Command::panel},  {GLFW_KEY_F11, Command::fullScreen}, {GLFW_KEY_F12, Command::screenshot},
-    {GLFW_KEY_F9, Command::video},   {GLFW_KEY_1, Command::viewWalker},   {GLFW_KEY_2, Command::viewLeft},
-    {GLFW_KEY_3, Command::viewBoth}, {GLFW_KEY_M, Command::warp},         {GLFW_KEY_U, Command::unseen},
-    {GLFW_KEY_K, Command::cameras},  {GLFW_KEY_G, Command::floorGrid},    {GLFW_KEY_ESCAPE, Command::quit},
+    {GLFW_KEY_TAB, Command::panel},   {GLFW_KEY_F11, Command::fullScreen}, {GLFW_KEY_F12, Command::screenshot},
+    {GLFW_KEY_F9, Command::video},    {GLFW_KEY_1, Command::viewWalker},   {GLFW_KEY_2, Command::viewLeft},
+    {GLFW_KEY_3, Command::viewBoth},  {GLFW_KEY_M, Command::warp},         {GLFW_KEY_U, Command::unseen},
+    {GLFW_KEY_K, Command::cameras},   {GLFW_KEY_G, Command::floorGrid},    {GLFW_KEY_B, Command::startHere},
+    {GLFW_KEY_ESCAPE, Command::quit},
 };
 
 double stick(float value) {

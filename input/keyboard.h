@@ -27,6 +27,7 @@ enum class Command : std::uint8_t {
     unseen,
     cameras,
     floorGrid,
+    startHere,
     quit,
 };
 inline constexpr std::size_t kCommands = static_cast<std::size_t>(Command::quit) + 1;

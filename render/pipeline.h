@@ -16,6 +16,9 @@ struct ComputePipeline {
     Pipeline pipeline;
 };
 
+/// What every device allows in one direction of a dispatch.
+inline constexpr std::uint32_t kMaxWorkgroups = 65535;
+
 /// code: SPIR-V. specialisation: the constants 0, 1, ... of the shader.
 ComputePipeline makeComputePipeline(const Device& device, std::span<const std::uint32_t> code,
                                     std::span<const VkDescriptorSetLayout> sets, std::uint32_t pushConstantBytes,

@@ -25,6 +25,8 @@ constexpr Barrier kAfterWarp{kCompute, kRead | kWrite, kCompute, kRead};
 constexpr Barrier kAfterResolve{kCompute, kWrite, VK_PIPELINE_STAGE_HOST_BIT | kTransfer,
                                 VK_ACCESS_HOST_READ_BIT | VK_ACCESS_TRANSFER_READ_BIT};
 
+/// The resolved picture is drawn over.
+constexpr Barrier kBetweenPictures{kCompute, kWrite, kCompute, kRead | kWrite};
 constexpr Barrier kAfterKeeping{kTransfer, VK_ACCESS_TRANSFER_WRITE_BIT, VK_PIPELINE_STAGE_HOST_BIT,
                                 VK_ACCESS_HOST_READ_BIT};
 
@@ -40,7 +42,7 @@ Renderer::Renderer(const Device& device, const GpuScene& scene, int width, int h
                                                 makeWarpPass(device, Warp::mesh, scene.pageLayout(), eyeLayout_)},
       resolve_(makeComputePipeline(device, kResolveCode, std::array<VkDescriptorSetLayout, 1>{eyeLayout_},
                                    sizeof(ResolveConstants), std::array{resolveWorkgroupSize(device)})),
-      streams_(device, eyes) {
+      overlay_(makeOverlayPass(device, eyeLayout_)), streams_(device, eyes) {
     assert(width > 0 && height > 0 && eyes >= 1 && eyes <= kMaxEyes);
     for (int eye = 0; eye < eyes; ++eye)
         eyes_.push_back({makeEyeTarget(device, eyeLayout_, width, height, scene.tiles().size()),
@@ -51,11 +53,13 @@ Renderer::Renderer(const Device& device, const GpuScene& scene, int width, int h
                          {},
                          {},
                          {},
+                         {},
+                         {},
                          {}});
 }
 
 FrameStats Renderer::draw(std::span<const scene::View> views, const Quality& quality,
-                          std::span<const EyeOutput> outputs) {
+                          std::span<const EyeOutput> outputs, const Overlay* overlay) {
     assert(views.size() == eyes_.size() && (outputs.empty() || outputs.size() == eyes_.size()));
     const std::size_t slot = frames_ % kFramesInFlight;
     FrameStats stats;
@@ -69,6 +73,7 @@ FrameStats Renderer::draw(std::span<const scene::View> views, const Quality& qua
     tbb::parallel_for(std::size_t{0}, eyes_.size(), [&](std::size_t i) {
         const int index = static_cast<int>(i);
         prepare(eyes_[i], views[i], quality, slot, index);
+        prepareOverlay(eyes_[i], views[i], overlay != nullptr ? *overlay : Overlay{}, slot, index);
         recordCommands(eyes_[i], quality, outputs.empty() ? EyeOutput{} : outputs[i], slot, index);
     });
     keptFrames_[slot].reset();
@@ -86,6 +91,8 @@ FrameStats Renderer::draw(std::span<const scene::View> views, const Quality& qua
             counts.tilesRejected -= count;
         counts.tilesDrawn = eye.list.tiles;
         counts.samplesDrawn = eye.list.items;
+        counts.overlayStrokes = static_cast<std::uint32_t>(eye.overlay.strokes.size());
+        counts.overlayDropped = eye.overlay.dropped;
     }
     ++frames_;
     last_ = stats;
@@ -113,6 +120,20 @@ void Renderer::prepare(Eye& eye, const scene::View& view, const Quality& quality
     });
 }
 
+void Renderer::prepareOverlay(Eye& eye, const scene::View& view, const Overlay& overlay, std::size_t slot, int index) {
+    if (overlay.empty()) {
+        eye.overlay = {};
+        return;
+    }
+    timed(eye.times, "overlay", index, [&] {
+        listOverlay(overlay, view, eye.overlay);
+        if (eye.overlay.bins.empty()) return;
+        OverlayBuffers& buffers = eye.overlayBuffers[slot];
+        if (buffers.set == VK_NULL_HANDLE) buffers = makeOverlayBuffers(device_, overlay_, width_, height_);
+        write(eye.overlay, buffers);
+    });
+}
+
 void Renderer::recordCommands(Eye& eye, const Quality& quality, const EyeOutput& output, std::size_t slot, int index) {
     timed(eye.times, "record", index, [&] {
         const VkCommandBuffer commands = streams_.begin(slot, index);
@@ -133,6 +154,13 @@ void Renderer::recordCommands(Eye& eye, const Quality& quality, const EyeOutput&
         recordResolve(commands, eyeSet);
         record(commands, kAfterResolve);
         timer.mark(commands, "resolve");
+
+        if (!eye.overlay.bins.empty()) {
+            record(commands, kBetweenPictures);
+            recordOverlay(commands, overlay_, eye.overlay, eye.overlayBuffers[slot], eyeSet);
+            record(commands, kAfterResolve);
+            timer.mark(commands, "overlay");
+        }
 
         if (keepsNext_) recordKeeping(commands, eye, slot);
         if (output.image != VK_NULL_HANDLE) recordOutput(commands, eye.target, width_, height_, output);

@@ -1,11 +1,12 @@
 #pragma once
-// Scene and views to pixels: cull, warp, resolve, submit.
+// Scene and views to pixels: cull, warp, resolve, overlay, submit.
 
 #include "render/command_streams.h"
 #include "render/device.h"
 #include "render/draw_list.h"
 #include "render/gpu_scene.h"
 #include "render/output.h"
+#include "render/overlay_pass.h"
 #include "render/quality.h"
 #include "render/readback.h"
 #include "render/target.h"
@@ -24,12 +25,13 @@ namespace render {
 struct EyeCounts {
     std::uint32_t tilesTested = 0, tilesRejected = 0, tilesDrawn = 0;
     std::uint64_t samplesDrawn = 0; ///< points, or squares of the mesh
+    std::uint32_t overlayStrokes = 0, overlayDropped = 0;
 };
 
 struct FrameStats {
     std::uint64_t frame = 0;
-    std::vector<StepTime> cpu; ///< wait, cull, list, record, submit
-    std::vector<StepTime> gpu; ///< clear, warp, resolve; of the frame gpuFrame, empty while none has finished
+    std::vector<StepTime> cpu; ///< wait, cull, list, overlay, record, submit
+    std::vector<StepTime> gpu; ///< clear, warp, resolve, overlay; of the frame gpuFrame, empty while none has finished
     std::uint64_t gpuFrame = 0;
     std::array<EyeCounts, kMaxEyes> eyes{};
 };
@@ -43,7 +45,9 @@ class Renderer {
 
     /// Sends a frame to the device. Waits only for the frame two before. The cameras must have the renderer's
     /// size. outputs: where the finished eyes are copied to, one each, or none.
-    FrameStats draw(std::span<const scene::View> eyes, const Quality& quality, std::span<const EyeOutput> outputs = {});
+    /// overlay: what is drawn over the scene; costs nothing where there is none.
+    FrameStats draw(std::span<const scene::View> eyes, const Quality& quality, std::span<const EyeOutput> outputs = {},
+                    const Overlay* overlay = nullptr);
 
     /// Waits for the last frame and tells about it, its own times on the device included.
     FrameStats finish();
@@ -75,8 +79,11 @@ class Renderer {
         DrawList list;
         std::vector<StepTime> times;
         std::array<Buffer, kFramesInFlight> kept{}; ///< copies of the colours; made when first wanted
+        OverlayList overlay;
+        std::array<OverlayBuffers, kFramesInFlight> overlayBuffers{}; ///< made when first wanted
     };
     void prepare(Eye& eye, const scene::View& view, const Quality& quality, std::size_t slot, int index);
+    void prepareOverlay(Eye& eye, const scene::View& view, const Overlay& overlay, std::size_t slot, int index);
     void recordCommands(Eye& eye, const Quality& quality, const EyeOutput& output, std::size_t slot, int index);
     void recordKeeping(VkCommandBuffer commands, Eye& eye, std::size_t slot) const;
     void recordResolve(VkCommandBuffer commands, VkDescriptorSet eyeSet) const;
@@ -88,6 +95,7 @@ class Renderer {
     DescriptorSetLayout eyeLayout_;
     std::array<WarpPass, 2> warps_; ///< by Warp
     ComputePipeline resolve_;
+    OverlayPass overlay_;
     std::vector<Eye> eyes_;
     std::uint64_t frames_ = 0; ///< drawn so far
     bool keepsNext_ = false;

@@ -5,6 +5,7 @@
 //   world     the capture's own coordinates, double precision (national grids have offsets of 10^6 m)
 //   walk      metres, right-handed, +Y up, -Z forward, floor at Y = 0, as OpenXR
 //   camera    x right, y down, z forward, as OpenCV; an eye is a camera
+//   head      x right, y up, z back, as OpenXR: looks along -z
 //   image     pixel (i, j) covers [i, i + 1) x [j, j + 1); its centre is (i + 1/2, j + 1/2)
 //   disparity generalised: |COP to pixel on the image plane| / |COP to surface|. The image plane stands one
 //   metre
@@ -37,6 +38,12 @@ glm::dmat4 toMatrix(const Pose& bFromA);
 /// The pose in a 4x4 matrix: finite, last row 0 0 0 1, rotation orthonormal within tolerance and right-handed
 /// (it is then made exactly so). Returns false and leaves pose alone otherwise.
 bool poseFromMatrix(const glm::dmat4& matrix, double tolerance, Pose& pose);
+
+/// Between a head, which has x right, y up and z back (as OpenXR), and a camera: half a turn about x, the same both
+/// ways.
+inline Pose headFromCamera() {
+    return {glm::dmat3(1, 0, 0, 0, -1, 0, 0, 0, -1), glm::dvec3(0)};
+}
 
 /// As OpenXR and glTF write it; the quaternion (x, y, z, w) need not be normalised but must not be zero.
 Pose poseFromQuaternion(const glm::dvec3& translation, double x, double y, double z, double w);

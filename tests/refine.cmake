@@ -4,6 +4,7 @@ revisit_test(revisit_refine_tests LABELS unit LINKS scene scene_project scene_re
         scene/density_test.cpp
         scene/footprint_test.cpp
         scene/known_scenes.cpp
+        scene/pick_test.cpp
         scene/preference_test.cpp
         scene/project/dropouts_test.cpp
         scene/refine/fusion_test.cpp

@@ -9,6 +9,7 @@ revisit_test(revisit_render_tests LABELS gpu LINKS revisit_render_scenes TBB::tb
         render/edge_cases_test.cpp
         render/mesh_test.cpp
         render/oracle_test.cpp
+        render/overlay_test.cpp
         render/points_test.cpp
         render/reference.cpp
         render/shared_math_test.cpp

@@ -36,7 +36,7 @@ Frame Desktop::begin() {
 
     const double focal = now_.height / (2 * std::tan(now_.fieldOfViewRadians / 2));
     const scene::Camera camera{now_.width, now_.height, focal, focal, now_.width / 2.0, now_.height / 2.0};
-    const scene::Pose trackingFromEye = frame.trackingFromHead * headFromCamera();
+    const scene::Pose trackingFromEye = frame.trackingFromHead * scene::headFromCamera();
     frame.eyes.fill({camera, trackingFromEye});
     if (now_.eyes == 2) {
         const auto [left, right] = scene::eyesOf(camera, trackingFromEye, now_.eyeDistanceMetres);
@@ -45,9 +45,10 @@ Frame Desktop::begin() {
     return frame;
 }
 
-void Desktop::resize(int width, int height, int eyes) {
+void Desktop::resize(int width, int height, int eyes, double eyeHeightMetres) {
     const std::scoped_lock lock(mutex_);
     wanted_.width = std::max(width, 1), wanted_.height = std::max(height, 1);
+    wanted_.eyeHeightMetres = eyeHeightMetres;
     wanted_.eyes = std::clamp(eyes, 1, static_cast<int>(kEyes));
 }
 

@@ -30,8 +30,8 @@ class Desktop final : public ViewSource {
 
     // From any thread; each holds from the next begin on.
 
-    /// Pixels of an eye, at least 1; 1 or 2 eyes.
-    void resize(int width, int height, int eyes);
+    /// Pixels of an eye, at least 1; 1 or 2 eyes; metres above the floor.
+    void resize(int width, int height, int eyes, double eyeHeightMetres);
     /// One more picture will be shown.
     void ask();
     /// Raises what the head looks at; it cannot look behind itself over its own top.

@@ -22,7 +22,7 @@ Frame Headless::begin() {
     ++frame_;
     frame.kind = Frame::Kind::draw;
     frame.trackingFromHead = *head;
-    const auto [left, right] = scene::eyesOf(camera_, *head * headFromCamera(), options_.eyeDistanceMetres);
+    const auto [left, right] = scene::eyesOf(camera_, *head * scene::headFromCamera(), options_.eyeDistanceMetres);
     frame.eyes = {left, right};
     return frame;
 }

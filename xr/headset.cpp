@@ -222,7 +222,7 @@ void Headset::locate(Frame& frame) {
         const XrFovf& fov = views_[eye].fov;
         const FieldOfView field{static_cast<double>(fov.angleLeft), static_cast<double>(fov.angleRight),
                                 static_cast<double>(fov.angleUp), static_cast<double>(fov.angleDown)};
-        frame.eyes[eye] = {cameraOf(field, width(), height()), poseOf(views_[eye].pose) * headFromCamera()};
+        frame.eyes[eye] = {cameraOf(field, width(), height()), poseOf(views_[eye].pose) * scene::headFromCamera()};
     }
 }
 

@@ -12,9 +12,6 @@ namespace render {
 
 namespace {
 
-/// What every device allows in one direction of a dispatch.
-constexpr std::uint32_t kMaxWorkgroups = 65535;
-
 struct WarpRow {
     std::span<const std::uint32_t> code;
     std::uint32_t workgroupSize;

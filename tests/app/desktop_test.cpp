@@ -135,6 +135,39 @@ TEST_F(Desktop, AWindowClosedInTheMiddleEndsTheWalkAndKeepsWhatWasRecorded) {
     EXPECT_GE(readJson(path).at("poses").size(), 1u);
 }
 
+TEST_F(Desktop, KeysLeadTheWalkerAndWhatWasSetIsKept) {
+    const fs::path path = scratch_ / "path.json";
+    startWalk({"--record", path.string()});
+    ASSERT_TRUE(hitUntilSaid("F12", "kept revisit-", 1)) << log();
+    screen_->act({"key", "g"});
+    // As long as it takes until some frames were drawn with the key held: each screenshot is one.
+    screen_->act({"keydown", "w"});
+    ASSERT_TRUE(hitUntilSaid("F12", "kept revisit-", 8)) << log();
+    screen_->act({"keyup", "w"});
+    ASSERT_TRUE(hitUntilSaid("b", "begin here", 1)) << log();
+    screen_->act({"key", "e"});
+    ASSERT_TRUE(hitUntilSaid("F12", "kept revisit-", 12)) << log();
+    screen_->act({"key", "Escape"});
+    ASSERT_EQ(waitFor().status, 0);
+
+    const auto poses = readJson(path).at("poses");
+    const auto &first = poses.front(), &last = poses.back();
+    EXPECT_LT(last.at("position").at(2).get<double>(), first.at("position").at(2).get<double>() - 0.1) << "ahead is -z";
+    EXPECT_NEAR(last.at("position").at(0).get<double>(), first.at("position").at(0).get<double>(), 1e-6);
+    EXPECT_NEAR(last.at("rig").at("yaw").get<double>(), -30 * 3.14159265358979 / 180, 1e-9) << "one snap to the right";
+    EXPECT_TRUE(readJson(scratch_ / "config/revisit/settings.json").at("floor_grid").get<bool>());
+    const auto start = readJson(fs::path(scene()) / "start.json");
+    EXPECT_NEAR(start.at("feet").at(2).get<double>(), last.at("position").at(2).get<double>(), 1e-9);
+
+    // And the next walk begins there.
+    startWalk({"--record", path.string()});
+    ASSERT_TRUE(hitUntilSaid("F12", "kept revisit-", 1)) << log();
+    screen_->act({"key", "Escape"});
+    ASSERT_EQ(waitFor().status, 0);
+    EXPECT_NEAR(readJson(path).at("poses").front().at("position").at(2).get<double>(),
+                start.at("feet").at(2).get<double>(), 1e-9);
+}
+
 TEST_F(Desktop, WithoutADisplayOneLineSaysSo) {
     const Outcome ended =
         run({"/usr/bin/env", "-u", "DISPLAY", "-u", "WAYLAND_DISPLAY", kRevisit, "walk", scene(), "--desktop"},

@@ -63,7 +63,8 @@ Screen::~Screen() {
 }
 
 std::vector<std::string> Screen::around(const std::string& folder, const std::vector<std::string>& command) const {
-    std::vector<std::string> words{"/usr/bin/env", "--chdir=" + folder, "-u", "WAYLAND_DISPLAY", "DISPLAY=" + display_};
+    std::vector<std::string> words{"/usr/bin/env",    "--chdir=" + folder,   "-u",
+                                   "WAYLAND_DISPLAY", "DISPLAY=" + display_, "XDG_CONFIG_HOME=" + folder + "/config"};
     words.insert(words.end(), command.begin(), command.end());
     return words;
 }

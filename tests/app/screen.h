@@ -19,7 +19,7 @@ class Screen {
     Screen(const Screen&) = delete;
     Screen& operator=(const Screen&) = delete;
 
-    /// The command that runs another on this screen, in that folder.
+    /// The command that runs another on this screen, in that folder, with settings of its own below config/ there.
     std::vector<std::string> around(const std::string& folder, const std::vector<std::string>& command) const;
 
     /// Waits until a window with that title is seen and gives it the keys; false if that takes too long.

@@ -228,6 +228,32 @@ TEST_F(Walk, ADamagedSceneIsRefusedByName) {
     }
 }
 
+TEST_F(Walk, NotesAreToldByInfoAndOutliveANewBuild) {
+    const std::string scene = path("noted.revisit"), file = scene + "/notes.json";
+    const std::vector<std::string> build{kRevisit, "build", capture(), "-o", scene}, info{kRevisit, "info", scene};
+    const std::vector<std::string> infoJson{kRevisit, "info", scene, "--json"};
+    ASSERT_EQ(run(build, folder()).status, 0);
+    EXPECT_EQ(nlohmann::json::parse(run(infoJson, folder()).output).at("notes"), nlohmann::json::array());
+    const nlohmann::json notes{
+        {{"number", 1}, {"kind", "point"}, {"label", "front door"}, {"position", {1.5, 2, 3}}},
+        {{"number", 2}, {"kind", "distance"}, {"label", "D2 5.000 m"}, {"from", {0, 0, 0}}, {"to", {3, 4, 0}}}};
+    const nlohmann::json root{{"format", "revisit notes"}, {"version", 1}, {"unit", "m"}, {"notes", notes}};
+    scene::writeFile(file, root.dump());
+    EXPECT_EQ(nlohmann::json::parse(run(infoJson, folder()).output).at("notes"), notes);
+    const std::string told = run(info, folder()).output;
+    EXPECT_NE(told.find("front door: 1.500 2.000 3.000"), std::string::npos) << told;
+    EXPECT_NE(told.find("D2 5.000 m: from 0.000 0.000 0.000 to 3.000 4.000 0.000"), std::string::npos) << told;
+
+    ASSERT_EQ(run(build, folder()).status, 0);
+    EXPECT_EQ(nlohmann::json::parse(run(infoJson, folder()).output).at("notes"), notes);
+
+    scene::writeFile(file, root.dump().substr(1));
+    const Outcome refused = run(info, folder());
+    EXPECT_EQ(refused.status, 1);
+    EXPECT_NE(refused.output.find("notes.json: is damaged"), std::string::npos) << refused.output;
+    EXPECT_EQ(scene::bytesOfFile(file), root.dump().substr(1));
+}
+
 } // namespace
 
 } // namespace app

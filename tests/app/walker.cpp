@@ -27,6 +27,13 @@ std::size_t countOf(const std::filesystem::path& folder) {
 
 } // namespace
 
+std::vector<std::string> givingMemoryBack(const std::vector<std::string>& command) {
+    std::vector<std::string> words{"/usr/bin/env", "MALLOC_ARENA_MAX=1", "MALLOC_MMAP_THRESHOLD_=131072",
+                                   "MALLOC_TRIM_THRESHOLD_=131072"};
+    words.insert(words.end(), command.begin(), command.end());
+    return words;
+}
+
 Walker::Walker(const std::vector<std::string>& command, const std::filesystem::path& folder)
     : log_(folder / "walk.txt"), process_(start(command, log_)) {}
 

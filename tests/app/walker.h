@@ -17,6 +17,10 @@ struct Holdings {
     std::size_t files = 0, threads = 0;
 };
 
+/// The command that runs another so that memory which it frees goes back to the kernel: else the C library keeps up to
+/// some megabytes for each thread, more or less as it happens, and what is resident says little of what is held.
+std::vector<std::string> givingMemoryBack(const std::vector<std::string>& command);
+
 class Walker {
   public:
     /// Starts `command`; what it says goes to a file in `folder`.

@@ -1,5 +1,6 @@
-// How long the root nouns of scene take: cutting an image into tiles, composing a warp.
+// How long the root nouns of scene take: cutting an image into tiles, composing a warp, asking what a ray meets.
 
+#include "scene/pick.h"
 #include "scene/tile.h"
 #include "scene/view.h"
 
@@ -45,6 +46,27 @@ void composeWarp(benchmark::State& state) {
     }
 }
 BENCHMARK(composeWarp);
+
+/// Cameras on a ring that all look at walls about them; each has 1024 tiles.
+void pickAmongTiles(benchmark::State& state) {
+    const DepthImage image = wall(1024, 1024);
+    const TileSet set = cutIntoTiles(image);
+    std::vector<TileBlock> blocks;
+    for (int i = 0; i < state.range(0); ++i) {
+        const double half = 0.5 * 6.283185307179586 * i / static_cast<double>(state.range(0));
+        blocks.push_back(lend(set, image.camera,
+                              poseFromQuaternion({0.5 * std::cos(9 * half), 0, 0.5 * std::sin(9 * half)}, 0,
+                                                 std::sin(half), 0, std::cos(half))));
+    }
+    double angle = 0;
+    for (auto _ : state) {
+        angle += 2.4; // by the golden angle: everywhere
+        benchmark::DoNotOptimize(
+            pick(blocks, {{0.1, 0, 0.2}, {std::cos(angle), 0.1 * std::sin(7 * angle), std::sin(angle)}}));
+    }
+    state.counters["tiles"] = static_cast<double>(set.tiles.size() * blocks.size());
+}
+BENCHMARK(pickAmongTiles)->ArgName("images")->Arg(1)->Arg(10)->Arg(100)->Unit(benchmark::kMillisecond);
 
 } // namespace
 } // namespace scene

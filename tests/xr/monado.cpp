@@ -16,13 +16,10 @@
 #include <sys/inotify.h>
 #include <sys/prctl.h>
 #include <sys/socket.h>
+#include <sys/syscall.h>
 #include <sys/un.h>
 #include <sys/wait.h>
 #include <unistd.h>
-
-extern "C" { // which glibc 2.36 forgets to say itself
-#include <sys/pidfd.h>
-}
 
 namespace xr {
 
@@ -186,7 +183,7 @@ void Monado::start() {
         execve(program.c_str(), arguments, pointers.data());
         _exit(127);
     }
-    const Descriptor ended(pidfd_open(service_, 0));
+    const Descriptor ended(static_cast<int>(syscall(SYS_pidfd_open, service_, 0)));
     try {
         waitUntilStarted(ended.number);
     } catch (...) {

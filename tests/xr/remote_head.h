@@ -29,7 +29,7 @@ struct RemoteEye {
 /// What a hand holds: OpenXR takes it for a Valve Index controller.
 struct RemoteController {
     bool active = true; ///< false: switched off, its pose is not known
-    RemotePose stageFromGrip;
+    RemotePose stageFromGrip{};
     float trigger = 0, squeeze = 0; ///< 0 to 1; the trigger clicks at 1
     std::array<float, 2> stick{};   ///< right and ahead, -1 to 1
     bool stickClick = false, a = false, b = false;

@@ -1,0 +1,94 @@
+#include "app/annotate.h"
+
+#include "app/overlays.h"
+#include "scene/errors.h"
+
+#include <array>
+#include <cstdio>
+#include <utility>
+
+#include <glm/geometric.hpp>
+
+namespace app {
+
+namespace {
+
+constexpr scene::Rgb8 kTextColour{255, 255, 255};
+
+std::string sayPlace(const glm::dvec3& p) {
+    std::array<char, 96> text{};
+    std::snprintf(text.data(), text.size(), " at %.3f %.3f %.3f", p.x, p.y, p.z);
+    return text.data();
+}
+
+void addLabel(render::Overlay& overlay, const glm::dvec3& at, const std::string& text, scene::Rgb8 colour) {
+    overlay.labels.push_back({at, text, colour});
+}
+
+} // namespace
+
+Annotator::Annotator(const scene::Scene& scene, const std::filesystem::path& sceneFolder)
+    : scene_(scene), worldFromWalk_(inverse(scene.walkFromWorld)), file_(sceneFolder) {
+    try {
+        noting_.notes = file_.read();
+        noting_.older = noting_.notes.list.size();
+    } catch (const scene::Failure& failure) {
+        refused_ = notice_ = failure.what();
+    }
+}
+
+void Annotator::update(const NotingWants& wants) {
+    aimed_ = wants.aim ? scene::pick(scene_.blocks, *wants.aim) : std::nullopt;
+    const std::size_t before = noting_.notes.list.size();
+    if (wants.undoes) noting_ = undo(std::move(noting_));
+    if (wants.presses) {
+        if (!refused_.empty())
+            notice_ = refused_;
+        else if (!aimed_)
+            notice_ = "nothing there to note";
+        else if (!aimed_->isSeen)
+            notice_ = "that range is a guess: only what was seen is noted";
+        else
+            noting_ = press(std::move(noting_), wants.mode, *aimed_, timeNow());
+    }
+    if (noting_.notes.list.size() != before) keep();
+}
+
+void Annotator::keep() {
+    const std::vector<Note>& list = noting_.notes.list;
+    if (!list.empty()) notice_ = list.back().label + sayPlace(list.back().to);
+    try {
+        file_.write(noting_.notes);
+    } catch (const scene::Failure& failure) {
+        notice_ = failure.what();
+    }
+}
+
+std::string Annotator::takeNotice() {
+    return std::exchange(notice_, {});
+}
+
+void Annotator::appendTo(render::Overlay& overlay) const {
+    for (const Note& note : noting_.notes.list) {
+        if (note.kind == Note::Kind::point) {
+            addCross(overlay, worldFromWalk_, note.from);
+            addLabel(overlay, note.from, note.label, kTextColour);
+        } else if (note.kind == Note::Kind::distance) {
+            addDistance(overlay, worldFromWalk_, note.from, note.to);
+            addLabel(overlay, (note.from + note.to) / 2.0, note.label, kTextColour);
+        }
+    }
+    const bool isSeen = aimed_ && aimed_->isSeen;
+    if (aimed_)
+        addAim(overlay, worldFromWalk_, aimed_->position, aimed_->normal.value_or(glm::dvec3(0)),
+               isSeen ? kAllowedColour : kRefusedColour);
+    if (!noting_.start) return;
+    addCross(overlay, worldFromWalk_, *noting_.start, kAllowedColour);
+    if (!isSeen) return;
+    addDistance(overlay, worldFromWalk_, *noting_.start, aimed_->position, kAllowedColour);
+    std::array<char, 32> text{};
+    std::snprintf(text.data(), text.size(), "%.3f m", glm::distance(*noting_.start, aimed_->position));
+    addLabel(overlay, (*noting_.start + aimed_->position) / 2.0, text.data(), kAllowedColour);
+}
+
+} // namespace app

@@ -1,0 +1,37 @@
+#pragma once
+// What a walker likes, kept between walks, and where walks through a scene begin.
+
+#include "input/locomotion.h"
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+namespace input {
+
+struct Settings {
+    LocomotionSettings locomotion;
+    double eyeHeightMetres = 1.6; ///< at the desk
+    bool showsFloorGrid = false;
+};
+
+/// $XDG_CONFIG_HOME/revisit/settings.json, or below ~/.config; empty if there is no home.
+std::filesystem::path settingsFile();
+
+/// The defaults if there is no such file; what it leaves out is as the defaults have it. Throws scene::Failure if it is
+/// broken or a value is out of its range.
+Settings readSettings(const std::filesystem::path& file);
+
+/// The text of such a file. What stands in `before`, an earlier file, and is not known here is kept.
+std::string textOf(const Settings& settings, const std::filesystem::path& before);
+
+/// SCENE/start.json: {"feet": [x, y, z], "heading": radians to the left, "scale": walk metres per metre}, walk space.
+struct StartPose {
+    glm::dvec3 feet{0};
+    double heading = 0, scale = 1;
+};
+/// Nothing if there is no such file. Throws scene::Failure.
+std::optional<StartPose> readStart(const std::filesystem::path& file);
+std::string textOf(const StartPose& start);
+
+} // namespace input
