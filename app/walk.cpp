@@ -25,8 +25,6 @@ using nlohmann::json;
 
 volatile std::sig_atomic_t wasAskedToEnd = 0;
 
-constexpr const char* kStartFile = "start.json";
-
 /// Images from nearer to each other than this are from one place, metres.
 constexpr double kSamePlace = 1e-3;
 
@@ -49,7 +47,7 @@ xr::Headless::Path pathOf(const std::filesystem::path& file, const scene::Pose& 
 /// A broken one is told of and passed over: the walk begins where the scene does.
 std::optional<input::StartPose> readStartOf(const scene::Scene& scene) {
     try {
-        return input::readStart(scene.folder / kStartFile);
+        return input::readStart(scene.folder / input::kStartFile);
     } catch (const scene::Failure& failure) {
         std::fprintf(stderr, "revisit: %s\n", failure.what());
         return std::nullopt;
@@ -257,7 +255,7 @@ void Walk::startHere() {
         input::StartPose{{facts_.place.x, locomotion_.rig.origin.y, facts_.place.z}, heading_, locomotion_.rig.scale};
     setHome();
     try {
-        writeWhole(scene_.folder / kStartFile, input::textOf(*start_));
+        writeWhole(scene_.folder / input::kStartFile, input::textOf(*start_));
         say("walks through this scene begin here");
     } catch (const scene::Failure& failure) {
         say("revisit: " + std::string(failure.what()));
