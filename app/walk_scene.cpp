@@ -150,6 +150,7 @@ void walkScene(const WalkOptions& options) {
             throw scene::Failure("cannot be made (" + error.message() + ")", options.out,
                                  "check that the folder may be written");
     }
+    xr::hushLoader();
     const EndBySignal endBySignal;
     if (const std::unique_ptr<xr::Window> window = openWindow(options))
         walkBesideWindow(scene, options, *window);

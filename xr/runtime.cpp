@@ -4,6 +4,7 @@
 #include "xr/check.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <cstring>
 
 namespace xr {
@@ -29,6 +30,10 @@ std::vector<XrExtensionProperties> listExtensions() {
 }
 
 } // namespace
+
+void hushLoader() {
+    setenv("XR_LOADER_DEBUG", "none", 0);
+}
 
 Runtime::Runtime() {
     try {

@@ -12,6 +12,11 @@
 
 namespace xr {
 
+/// OpenXR's loader tells each failure on stderr, in several lines, even where ours follows or none is due. From here on
+/// it says nothing, unless the environment variable XR_LOADER_DEBUG wants it to. To be called before there are other
+/// threads.
+void hushLoader();
+
 class Runtime {
   public:
     /// Throws scene::Failure if there is no runtime, it has no Vulkan, or no headset with two views.
