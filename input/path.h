@@ -40,7 +40,7 @@ std::string textOf(const RecordedPath& path);
 /// are a jump.
 class SmoothPath {
   public:
-    explicit SmoothPath(std::vector<PathKey> keys);
+    explicit SmoothPath(const std::vector<PathKey>& keys);
 
     /// Before the first key, the first; after the last, nothing.
     std::optional<scene::Pose> operator()(double seconds) const;
