@@ -5,6 +5,7 @@
 #include "app/progress.h"
 #include "app/version.h"
 
+#include "input/settings.h"
 #include "scene/depth_tiff.h"
 #include "scene/errors.h"
 #include "scene/scene_file.h"
@@ -86,13 +87,15 @@ void putInPlace(const std::filesystem::path& part, const std::filesystem::path& 
     std::filesystem::remove_all(part, ignored);
 }
 
-/// A scene that is built anew keeps what walkers noted in it: world coordinates are the capture's own.
-void carryNotes(const std::filesystem::path& from, const std::filesystem::path& part) {
-    const std::filesystem::path name = NotesFile(from).path().filename();
-    std::error_code error;
-    if (!std::filesystem::exists(from / name, error)) return;
-    std::filesystem::copy_file(from / name, part / name, error);
-    if (error) throw scene::Failure("cannot be copied (" + error.message() + ")", from / name, kWriteRemedy);
+/// A scene that is built anew keeps what walkers left in it: their notes, and where walks begin.
+void carryWalkersFiles(const std::filesystem::path& from, const std::filesystem::path& part) {
+    for (const std::filesystem::path& name :
+         {NotesFile(from).path().filename(), std::filesystem::path(input::kStartFile)}) {
+        std::error_code error;
+        if (!std::filesystem::exists(from / name, error)) continue;
+        std::filesystem::copy_file(from / name, part / name, error);
+        if (error) throw scene::Failure("cannot be copied (" + error.message() + ")", from / name, kWriteRemedy);
+    }
 }
 
 void writeImages(const std::filesystem::path& folder, const ImportedImages& imported, const TileStage& tiles) {
@@ -184,7 +187,7 @@ void writeScene(const std::filesystem::path& output, const scene::Capture& captu
         const scene::Scene written = scene::openScene(part);
         manifest["walk_from_world"] = rowMajor(findWalkSpace(written.images, written.blocks, imported.uprightInWorld));
         writeWhole(part / "scene.json", textOf(manifest));
-        carryNotes(output, part);
+        carryWalkersFiles(output, part);
         sync();
         putInPlace(part, output);
     } catch (...) {

@@ -46,40 +46,30 @@ double processorMilliseconds(const render::FrameStats& stats) {
 
 } // namespace
 
-json spreadOf(std::vector<double> values) {
-    if (values.empty()) return nullptr;
-    std::sort(values.begin(), values.end());
-    const auto at = [&](double share) {
-        const double index = std::ceil(share * static_cast<double>(values.size())) - 1;
-        return values[static_cast<std::size_t>(std::clamp(index, 0.0, static_cast<double>(values.size() - 1)))];
-    };
-    return {{"median", at(0.5)}, {"p95", at(0.95)}, {"p99", at(0.99)}, {"max", values.back()}};
-}
-
 void FrameReport::add(const std::string&, const render::FrameStats& stats, double wallMilliseconds) {
     ++frames_;
     last_ = stats;
-    milliseconds_["wall.frame"].push_back(wallMilliseconds);
-    milliseconds_["cpu.frame"].push_back(processorMilliseconds(stats));
+    milliseconds_["wall.frame"].add(wallMilliseconds);
+    milliseconds_["cpu.frame"].add(processorMilliseconds(stats));
     for (const render::StepTime& time : stats.cpu)
-        milliseconds_[stepName("cpu", time)].push_back(time.milliseconds);
+        milliseconds_[stepName("cpu", time)].add(time.milliseconds);
     for (const render::StepTime& time : stats.gpu)
-        milliseconds_[stepName("gpu", time)].push_back(time.milliseconds);
+        milliseconds_[stepName("gpu", time)].add(time.milliseconds);
     double tested = 0, rejected = 0, drawn = 0, samples = 0;
     for (const render::EyeCounts& eye : stats.eyes) {
         tested += eye.tilesTested, rejected += eye.tilesRejected, drawn += eye.tilesDrawn;
         samples += static_cast<double>(eye.samplesDrawn);
     }
-    tested_.push_back(tested), rejected_.push_back(rejected), drawn_.push_back(drawn), samples_.push_back(samples);
+    tested_.add(tested), rejected_.add(rejected), drawn_.add(drawn), samples_.add(samples);
 }
 
 json FrameReport::summarise(const render::Device& device, const render::GpuScene& scene, json settings) const {
     json cpu = json::object(), gpu = json::object();
     json frame;
     for (const auto& [name, values] : milliseconds_) {
-        if (name.starts_with("cpu.")) cpu[name.substr(4)] = spreadOf(values);
-        if (name.starts_with("gpu.")) gpu[name.substr(4)] = spreadOf(values);
-        if (name == "wall.frame") frame = spreadOf(values);
+        if (name.starts_with("cpu.")) cpu[name.substr(4)] = values.toJson();
+        if (name.starts_with("gpu.")) gpu[name.substr(4)] = values.toJson();
+        if (name == "wall.frame") frame = values.toJson();
     }
     json report = std::move(settings);
     report["device"] = device.name();
@@ -92,10 +82,10 @@ json FrameReport::summarise(const render::Device& device, const render::GpuScene
     report["cpu_ms"] = cpu;
     report["gpu_ms"] = gpu;
     report["last_frame"] = {{"cpu", traceOf(last_.cpu)}, {"gpu", traceOf(last_.gpu)}};
-    report["tiles_tested"] = spreadOf(tested_);
-    report["tiles_rejected"] = spreadOf(rejected_);
-    report["tiles_drawn"] = spreadOf(drawn_);
-    report["samples_drawn"] = spreadOf(samples_);
+    report["tiles_tested"] = tested_.toJson();
+    report["tiles_rejected"] = rejected_.toJson();
+    report["tiles_drawn"] = drawn_.toJson();
+    report["samples_drawn"] = samples_.toJson();
     report["bytes_resident"] = scene.bytesResident();
     return report;
 }

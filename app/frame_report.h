@@ -1,19 +1,20 @@
 #pragma once
 // report.json: what was drawn, on what, and how long each step took.
 
+#include "app/spread.h"
+
 #include "render/gpu_scene.h"
 #include "render/renderer.h"
 
 #include <filesystem>
 #include <map>
 #include <string>
-#include <vector>
 
 #include <nlohmann/json.hpp>
 
 namespace app {
 
-/// Gathers the figures of a run's frames.
+/// Gathers the figures of a run's frames, however many.
 class FrameReport {
   public:
     /// wallMilliseconds: from the call of draw until the frame was finished on the device.
@@ -25,13 +26,10 @@ class FrameReport {
                              nlohmann::json settings) const;
 
   private:
-    std::map<std::string, std::vector<double>> milliseconds_; ///< by "cpu.cull.left" and so on
-    std::vector<double> tested_, rejected_, drawn_, samples_;
+    std::map<std::string, Spread> milliseconds_; ///< by "cpu.cull.left" and so on
+    Spread tested_, rejected_, drawn_, samples_;
     std::size_t frames_ = 0;
     render::FrameStats last_;
 };
-
-/// {"median", "p95", "p99", "max"} of some numbers.
-nlohmann::json spreadOf(std::vector<double> values);
 
 } // namespace app

@@ -25,13 +25,13 @@ using nlohmann::json;
 
 volatile std::sig_atomic_t wasAskedToEnd = 0;
 
-constexpr const char* kStartFile = "start.json";
-
 /// Images from nearer to each other than this are from one place, metres.
 constexpr double kSamePlace = 1e-3;
 
 /// How often a headset that is not there is looked for: OpenXR has no event for a runtime that appears.
 constexpr std::chrono::milliseconds kLookAgain{500};
+/// Beside a walk at the desk: a runtime that cannot be reached may have much to say about it each time.
+constexpr std::chrono::milliseconds kLookAgainAtDesk{2000};
 
 /// The head's pose along a path file.
 xr::Headless::Path pathOf(const std::filesystem::path& file, const scene::Pose& walkFromWorld) {
@@ -47,7 +47,7 @@ xr::Headless::Path pathOf(const std::filesystem::path& file, const scene::Pose& 
 /// A broken one is told of and passed over: the walk begins where the scene does.
 std::optional<input::StartPose> readStartOf(const scene::Scene& scene) {
     try {
-        return input::readStart(scene.folder / kStartFile);
+        return input::readStart(scene.folder / input::kStartFile);
     } catch (const scene::Failure& failure) {
         std::fprintf(stderr, "revisit: %s\n", failure.what());
         return std::nullopt;
@@ -169,7 +169,7 @@ bool Walk::waitForHeadset(std::optional<WalkStage>& stage) {
 bool Walk::seekHeadset() {
     const auto now = std::chrono::steady_clock::now();
     if (!sought_.valid()) {
-        if (now - soughtAt_ < kLookAgain) return false;
+        if (now - soughtAt_ < kLookAgainAtDesk) return false;
         soughtAt_ = now;
         sought_ = std::async(std::launch::async, []() -> std::unique_ptr<xr::Runtime> {
             try {
@@ -255,7 +255,7 @@ void Walk::startHere() {
         input::StartPose{{facts_.place.x, locomotion_.rig.origin.y, facts_.place.z}, heading_, locomotion_.rig.scale};
     setHome();
     try {
-        writeWhole(scene_.folder / kStartFile, input::textOf(*start_));
+        writeWhole(scene_.folder / input::kStartFile, input::textOf(*start_));
         say("walks through this scene begin here");
     } catch (const scene::Failure& failure) {
         say("revisit: " + std::string(failure.what()));

@@ -25,7 +25,9 @@ Settings readSettings(const std::filesystem::path& file);
 /// The text of such a file. What stands in `before`, an earlier file, and is not known here is kept.
 std::string textOf(const Settings& settings, const std::filesystem::path& before);
 
-/// SCENE/start.json: {"feet": [x, y, z], "heading": radians to the left, "scale": walk metres per metre}, walk space.
+inline constexpr const char* kStartFile = "start.json"; ///< in the scene's folder
+
+/// {"feet": [x, y, z], "heading": radians to the left, "scale": walk metres per metre}, walk space.
 struct StartPose {
     glm::dvec3 feet{0};
     double heading = 0, scale = 1;

@@ -113,12 +113,14 @@ void Device::createDevice(const DeviceMaker& maker) {
     queues.queueCount = queueCount_;
     queues.pQueuePriorities = priorities.data();
 
-    VkPhysicalDeviceVulkan12Features features12{};
-    features12.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES;
-    features12.shaderBufferInt64Atomics = VK_TRUE;
+    // Not all of Vulkan 1.2's features in one: runtimes of headsets add structures of their own for single ones, and
+    // both together are not allowed.
+    VkPhysicalDeviceShaderAtomicInt64Features atomics{};
+    atomics.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SHADER_ATOMIC_INT64_FEATURES;
+    atomics.shaderBufferInt64Atomics = VK_TRUE;
     VkPhysicalDeviceFeatures2 features{};
     features.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2;
-    features.pNext = &features12;
+    features.pNext = &atomics;
     features.features.shaderInt64 = VK_TRUE;
 
     VkDeviceCreateInfo info{};

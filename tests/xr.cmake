@@ -4,13 +4,21 @@ target_include_directories(revisit_monado PUBLIC ${CMAKE_SOURCE_DIR})
 target_link_libraries(revisit_monado PUBLIC scene PRIVATE revisit_flags)
 target_compile_definitions(revisit_monado PRIVATE REVISIT_MONADO="${REVISIT_DEPS}/monado")
 
-revisit_program_test(revisit_headset_tests LABELS programs TIMEOUT 300
-    SOURCES app/comparison.cpp app/program.cpp xr/headset_test.cpp)
-target_link_libraries(revisit_headset_tests PRIVATE revisit_monado)
-
 # In this process, frame by frame.
+revisit_test(revisit_headset_tests LABELS gpu LINKS revisit_monado render xr
+    SOURCES xr/headset_rig.cpp xr/headset_test.cpp)
 revisit_test(revisit_controllers_tests LABELS programs LINKS app revisit_monado nlohmann_json::nlohmann_json
     SOURCES app/program.cpp xr/controllers_test.cpp)
 target_compile_definitions(revisit_controllers_tests PRIVATE REVISIT_PROGRAM="$<TARGET_FILE:revisit>"
     REVISIT_MAKE_SAMPLE="$<TARGET_FILE:make_sample>")
 add_dependencies(revisit_controllers_tests revisit make_sample)
+
+# The walk, run as a user would.
+revisit_program_test(revisit_headset_walk_tests LABELS data programs TIMEOUT 400
+    SOURCES app/comparison.cpp app/program.cpp app/sample_scene.cpp app/walker.cpp xr/headset_walk_test.cpp)
+target_link_libraries(revisit_headset_walk_tests PRIVATE revisit_monado scene)
+
+# What may happen on the way.
+revisit_program_test(revisit_headset_world_tests LABELS programs TIMEOUT 300
+    SOURCES app/comparison.cpp app/program.cpp app/sample_scene.cpp app/walker.cpp xr/long_walk_test.cpp xr/runtime_dies_test.cpp)
+target_link_libraries(revisit_headset_world_tests PRIVATE revisit_monado scene)

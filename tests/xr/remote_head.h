@@ -29,7 +29,7 @@ struct RemoteEye {
 /// What a hand holds: OpenXR takes it for a Valve Index controller.
 struct RemoteController {
     bool active = true; ///< false: switched off, its pose is not known
-    RemotePose stageFromGrip;
+    RemotePose stageFromGrip{};
     float trigger = 0, squeeze = 0; ///< 0 to 1; the trigger clicks at 1
     std::array<float, 2> stick{};   ///< right and ahead, -1 to 1
     bool stickClick = false, a = false, b = false;
@@ -39,7 +39,7 @@ struct RemoteController {
 struct RemoteState {
     RemotePose stageFromHead{.position = {0, 1.6f, 0}};
     /// Left and right; without them, 85 degrees across each, and 63 mm between them.
-    std::optional<std::array<RemoteEye, 2>> eyes;
+    std::optional<std::array<RemoteEye, 2>> eyes = std::nullopt;
     RemoteController left{.stageFromGrip = {.position = {-0.2f, 1.3f, -0.5f}}};
     RemoteController right{.stageFromGrip = {.position = {0.2f, 1.3f, -0.5f}}};
 };
