@@ -241,7 +241,7 @@ input::Wants Walk::hearWants(WalkStage& stage, const xr::ViewSource& source, con
     if (!isDesk(source) && stage.actions() != nullptr) stage.actions()->read(stage.headset()->displayTime(), wants);
     wants.trackingFromHead = frame.trackingFromHead;
     wants.isHeadTracked = frame.isTracked;
-    wants.seconds = frame.seconds - std::exchange(wentAt_, frame.seconds);
+    wants.seconds = seconds_ - std::exchange(wentAt_, seconds_);
     return wants;
 }
 
@@ -262,6 +262,20 @@ void Walk::startHere() {
     }
 }
 
+void Walk::tellTime(const xr::ViewSource& source, const xr::Frame& frame) {
+    if (clockOf_ != &source || frame.seconds < frameSeconds_) {
+        // Another source counts from another beginning; what passed between them has passed.
+        const auto now = std::chrono::steady_clock::now();
+        if (clockOf_ == nullptr) began_ = now;
+        const double passed = std::chrono::duration<double>(now - began_).count();
+        clockOffset_ = std::max(seconds_, clockOf_ == nullptr ? 0.0 : passed) - frame.seconds;
+        if (options_.isHeadless) clockOffset_ = 0;
+        clockOf_ = &source;
+    }
+    frameSeconds_ = frame.seconds;
+    seconds_ = frame.seconds + clockOffset_;
+}
+
 void Walk::go(WalkStage& stage, const xr::ViewSource& source, const xr::Frame& frame) {
     const scene::Pose& head = frame.trackingFromHead;
     // Where a head that is not known stands would be made up.
@@ -279,7 +293,7 @@ void Walk::go(WalkStage& stage, const xr::ViewSource& source, const xr::Frame& f
     const input::Wants wants = hearWants(stage, source, frame);
     if (options_.isHeadless) return; // the path is the head's
     if (path_) {
-        if (const auto led = path_(frame.seconds)) {
+        if (const auto led = path_(seconds_)) {
             if (!firstHead_) firstHead_ = head;
             locomotion_.rig = input::rigWithHeadAt(*firstHead_, led->translation, input::headingOf(led->rotation), 1);
         }
@@ -341,6 +355,7 @@ void Walk::draw(WalkStage& stage, xr::ViewSource& source, const xr::Frame& frame
     if (frame.isTracked != wasTracked_)
         say(frame.isTracked ? "the head is tracked again" : "the head is not tracked; its last place is kept");
     wasTracked_ = frame.isTracked;
+    tellTime(source, frame);
     go(stage, source, frame);
     const input::Rig& rig = locomotion_.rig;
     const scene::Pose walkFromHead = rig.toWalk(frame.trackingFromHead);
@@ -350,7 +365,7 @@ void Walk::draw(WalkStage& stage, xr::ViewSource& source, const xr::Frame& frame
     }
     // Where this frame's steps have led, too.
     if (std::exchange(startsHere_, false)) startHere();
-    record_.addPose(frame.seconds, walkFromHead, rig);
+    record_.addPose(seconds_, walkFromHead, rig);
 
     render::Renderer& renderer = stage.rendererFor(source);
     const auto eyes = static_cast<std::size_t>(source.eyes());

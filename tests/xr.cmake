@@ -22,3 +22,8 @@ target_link_libraries(revisit_headset_walk_tests PRIVATE revisit_monado scene)
 revisit_program_test(revisit_headset_world_tests LABELS programs TIMEOUT 300
     SOURCES app/comparison.cpp app/program.cpp app/sample_scene.cpp app/walker.cpp xr/long_walk_test.cpp xr/runtime_dies_test.cpp)
 target_link_libraries(revisit_headset_world_tests PRIVATE revisit_monado scene)
+
+# A window beside the headset.
+revisit_program_test(revisit_desk_fallback_tests LABELS programs TIMEOUT 300
+    SOURCES app/comparison.cpp app/program.cpp app/sample_scene.cpp app/screen.cpp app/walker.cpp xr/desk_fallback_test.cpp)
+target_link_libraries(revisit_desk_fallback_tests PRIVATE revisit_monado scene X11::X11)
