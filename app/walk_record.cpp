@@ -12,11 +12,8 @@ using nlohmann::json;
 
 void WalkRecord::addPose(double seconds, const scene::Pose& walkFromHead, const input::Rig& rig) {
     if (options_.record.empty()) return;
-    if (!path_.keys.empty() && clockBegan_ + seconds < path_.keys.back().seconds)
-        clockBegan_ = path_.keys.back().seconds - seconds;
-    // The sum may round to just before what the difference was taken from.
-    const double last = path_.keys.empty() ? clockBegan_ + seconds : path_.keys.back().seconds;
-    path_.keys.push_back({std::max(clockBegan_ + seconds, last), walkFromHead, rig});
+    const double last = path_.keys.empty() ? seconds : path_.keys.back().seconds;
+    path_.keys.push_back({std::max(seconds, last), walkFromHead, rig});
 }
 
 bool WalkRecord::wantsPicture(int frame) const {

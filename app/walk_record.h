@@ -14,8 +14,8 @@ class WalkRecord {
     /// options must outlive it.
     explicit WalkRecord(const WalkOptions& options) : options_(options) {}
 
-    /// seconds: by the clock of whatever shows the frame. Each source of views has its own, which starts anew; what is
-    /// recorded goes on from the pose before, so that changing over is a jump in place and not in time.
+    /// A time that has been rounded to before that of the last pose counts as the same: nobody reads a path that runs
+    /// back.
     void addPose(double seconds, const scene::Pose& walkFromHead, const input::Rig& rig);
     bool wantsPicture(int frame) const;
     /// What the eye was given, and the camera it was given for.
@@ -27,7 +27,6 @@ class WalkRecord {
   private:
     const WalkOptions& options_;
     input::RecordedPath path_;
-    double clockBegan_ = 0; ///< of the source now, in seconds of the recording
     nlohmann::json cameras_ = nlohmann::json::array();
 };
 
