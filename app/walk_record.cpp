@@ -3,6 +3,7 @@
 #include "app/frame_pictures.h"
 #include "app/stage_store.h"
 
+#include <algorithm>
 #include <cstdio>
 
 namespace app {
@@ -11,7 +12,8 @@ using nlohmann::json;
 
 void WalkRecord::addPose(double seconds, const scene::Pose& walkFromHead, const input::Rig& rig) {
     if (options_.record.empty()) return;
-    path_.keys.push_back({seconds, walkFromHead, rig});
+    const double last = path_.keys.empty() ? seconds : path_.keys.back().seconds;
+    path_.keys.push_back({std::max(seconds, last), walkFromHead, rig});
 }
 
 bool WalkRecord::wantsPicture(int frame) const {
