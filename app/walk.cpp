@@ -41,7 +41,7 @@ xr::Headless::Path pathOf(const std::filesystem::path& file, const scene::Pose& 
     if (recorded.space == input::PathSpace::world)
         for (input::PathKey& key : recorded.keys)
             key.spaceFromHead = walkFromWorld * key.spaceFromHead;
-    return input::SmoothPath(std::move(recorded.keys));
+    return input::SmoothPath(recorded.keys);
 }
 
 /// A broken one is told of and passed over: the walk begins where the scene does.
@@ -387,7 +387,7 @@ void Walk::draw(WalkStage& stage, xr::ViewSource& source, const xr::Frame& frame
         // Where there is a headset, what it was given counts and not what we have.
         if (outputs[eye].image != VK_NULL_HANDLE)
             pictures[eye].colour = render::readOutput(stage.device(), outputs[eye], source.width(), source.height());
-        record_.addPicture(static_cast<int>(frame_), eye, views[eye], std::move(pictures[eye]));
+        record_.addPicture(static_cast<int>(frame_), eye, views[eye], pictures[eye]);
     }
 }
 

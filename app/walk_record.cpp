@@ -20,7 +20,7 @@ bool WalkRecord::wantsPicture(int frame) const {
     return options_.pictureEvery > 0 && !options_.out.empty() && frame % options_.pictureEvery == 0;
 }
 
-void WalkRecord::addPicture(int frame, std::size_t eye, const scene::View& view, render::EyeImage image) {
+void WalkRecord::addPicture(int frame, std::size_t eye, const scene::View& view, const render::EyeImage& image) {
     char name[64];
     std::snprintf(name, sizeof name, "frame-%06d-%s", frame, eye == 0 ? "left" : "right");
     writePictures(image, options_.out, name, false);

@@ -19,7 +19,7 @@ class WalkRecord {
     void addPose(double seconds, const scene::Pose& walkFromHead, const input::Rig& rig);
     bool wantsPicture(int frame) const;
     /// What the eye was given, and the camera it was given for.
-    void addPicture(int frame, std::size_t eye, const scene::View& view, render::EyeImage image);
+    void addPicture(int frame, std::size_t eye, const scene::View& view, const render::EyeImage& image);
 
     /// The files that were asked for, whole. Throws scene::Failure.
     void write(const nlohmann::json& report) const;

@@ -131,7 +131,7 @@ std::string textOf(const RecordedPath& path) {
     return json{{"space", path.space == PathSpace::walk ? "walk" : "world"}, {"poses", poses}}.dump(1) + "\n";
 }
 
-SmoothPath::SmoothPath(std::vector<PathKey> keys) {
+SmoothPath::SmoothPath(const std::vector<PathKey>& keys) {
     assert(!keys.empty());
     for (const PathKey& key : keys) {
         Knot knot;

@@ -41,7 +41,7 @@ std::string textOf(const RecordedPath& path);
 class SmoothPath {
   public:
     /// At least one key, in the order of time.
-    explicit SmoothPath(std::vector<PathKey> keys);
+    explicit SmoothPath(const std::vector<PathKey>& keys);
 
     /// Before the first key, the first; after the last, nothing.
     std::optional<scene::Pose> operator()(double seconds) const;
