@@ -54,6 +54,18 @@ std::optional<input::StartPose> readStartOf(const scene::Scene& scene) {
     }
 }
 
+const char* textOf(input::Refusal refusal) {
+    switch (refusal) {
+    case input::Refusal::unseen:
+        return "nobody saw a floor there";
+    case input::Refusal::tooFar:
+        return "too far";
+    case input::Refusal::tooSteep:
+        break;
+    }
+    return "too steep to stand on";
+}
+
 /// A ray from an eye through a place in its picture: a pose that looks along it.
 scene::Pose aimThrough(const scene::View& eye, const glm::dvec2& pixel) {
     const scene::Camera& c = eye.camera;
@@ -343,6 +355,8 @@ void Walk::fillOverlay(const xr::ViewSource& source) {
         const std::array beam{worldFromWalk_ * target->from, worldFromWalk_ * target->to};
         addTeleport(overlay_, beam, worldFromWalk_.rotation * glm::dvec3(0, 1, 0), target->isAllowed(),
                     0.25 * locomotion_.rig.scale);
+        if (target->refusal)
+            overlay_.labels.push_back({.at = beam[1], .text = textOf(*target->refusal), .colour = kRefusedColour});
     }
     if (annotator_) annotator_->appendTo(overlay_);
     if (isDesk(source)) return;
