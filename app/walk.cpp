@@ -356,7 +356,8 @@ void Walk::fillOverlay(const xr::ViewSource& source) {
         addTeleport(overlay_, beam, worldFromWalk_.rotation * glm::dvec3(0, 1, 0), target->isAllowed(),
                     0.25 * locomotion_.rig.scale);
         if (target->refusal)
-            overlay_.labels.push_back({.at = beam[1], .text = textOf(*target->refusal), .colour = kRefusedColour});
+            overlay_.labels.push_back(
+                {.at = beam[1], .text = textOf(*target->refusal), .colour = kRefusedColour, .whenHidden = 1});
     }
     if (annotator_) annotator_->appendTo(overlay_);
     if (isDesk(source)) return;
