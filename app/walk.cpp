@@ -25,6 +25,9 @@ using nlohmann::json;
 
 volatile std::sig_atomic_t wasAskedToEnd = 0;
 
+/// So long nobody is told that controllers are missing: they take a while to be found.
+constexpr int kPatientFrames = 600;
+
 /// Images from nearer to each other than this are from one place, metres.
 constexpr double kSamePlace = 1e-3;
 
@@ -250,11 +253,29 @@ input::Wants Walk::hearWants(WalkStage& stage, const xr::ViewSource& source, con
             wants.undo = says.wants.undo;
         }
     }
-    if (!isDesk(source) && stage.actions() != nullptr) stage.actions()->read(stage.headset()->displayTime(), wants);
+    if (!isDesk(source) && stage.actions() != nullptr) {
+        stage.actions()->read(stage.headset()->displayTime(), wants);
+        sayControllers(*stage.actions());
+    }
     wants.trackingFromHead = frame.trackingFromHead;
     wants.isHeadTracked = frame.isTracked;
     wants.seconds = seconds_ - std::exchange(wentAt_, seconds_);
     return wants;
+}
+
+void Walk::sayControllers(const input::Actions& actions) {
+    constexpr std::array kNames{"left", "right"};
+    for (std::size_t hand = 0; hand < input::kHands; ++hand) {
+        const std::string& held = actions.controller(hand);
+        if (held == controllers_[hand]) continue;
+        controllers_[hand] = held;
+        say(std::string(kNames[hand]) + " hand: " + (held.empty() ? "no controller" : held));
+    }
+    // Runtimes make unknown controllers look like known ones where they can; where they cannot, they name none.
+    if (framesWithoutController_ <= kPatientFrames && controllers_[0].empty() && controllers_[1].empty() &&
+        framesWithoutController_++ == kPatientFrames)
+        say("no controller that is known: switch one on, or bind it in the runtime's settings; the path or the desk's "
+            "keys (home, recentre, next) lead meanwhile");
 }
 
 void Walk::setHome() {

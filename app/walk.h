@@ -51,6 +51,8 @@ class Walk {
     void tellTime(const xr::ViewSource& source, const xr::Frame& frame);
     /// Moves the walker: as the path leads, or as controllers, keys and mouse say.
     void go(WalkStage& stage, const xr::ViewSource& source, const xr::Frame& frame);
+    /// What the hands hold, when that changes; and once that they hold nothing.
+    void sayControllers(const input::Actions& actions);
     /// Home is where walks through this scene begin.
     void setHome();
     /// From now on walks through this scene begin where the walker stands.
@@ -84,6 +86,8 @@ class Walk {
     nlohmann::json lastReport_;
     render::FrameStats stats_;
     render::Overlay overlay_;
+    std::array<std::string, input::kHands> controllers_;
+    int framesWithoutController_ = 0;
     std::optional<Annotator> annotator_;
     std::array<input::Hand, input::kHands> hands_{}; ///< in the frame before it is drawn
     render::FramePictures mirrored_;

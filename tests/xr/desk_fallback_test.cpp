@@ -55,6 +55,11 @@ TEST(DeskFallback, TheWalkGoesOnAtTheDeskAndFromThereInTheHeadset) {
         });
     };
     ASSERT_TRUE(keep()) << "the mirror shows something";
+    {
+        RemoteHead head(monado.port());
+        head.send({});
+        EXPECT_TRUE(walker.waitUntil([&] { return walker.timesSaid("right hand: Index") == 1; })) << walker.said();
+    }
     monado.kill();
     ASSERT_TRUE(walker.waitUntil([&] { return walker.timesSaid("walking: the desk") == 1; })) << walker.said();
     ASSERT_TRUE(keep());
