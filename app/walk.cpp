@@ -25,6 +25,9 @@ using nlohmann::json;
 
 volatile std::sig_atomic_t wasAskedToEnd = 0;
 
+/// So long nobody is told that controllers are missing: they take a while to be found.
+constexpr int kPatientFrames = 600;
+
 /// Images from nearer to each other than this are from one place, metres.
 constexpr double kSamePlace = 1e-3;
 
@@ -41,7 +44,7 @@ xr::Headless::Path pathOf(const std::filesystem::path& file, const scene::Pose& 
     if (recorded.space == input::PathSpace::world)
         for (input::PathKey& key : recorded.keys)
             key.spaceFromHead = walkFromWorld * key.spaceFromHead;
-    return input::SmoothPath(std::move(recorded.keys));
+    return input::SmoothPath(recorded.keys);
 }
 
 /// A broken one is told of and passed over: the walk begins where the scene does.
@@ -52,6 +55,18 @@ std::optional<input::StartPose> readStartOf(const scene::Scene& scene) {
         std::fprintf(stderr, "revisit: %s\n", failure.what());
         return std::nullopt;
     }
+}
+
+const char* textOf(input::Refusal refusal) {
+    switch (refusal) {
+    case input::Refusal::unseen:
+        return "nobody saw a floor there";
+    case input::Refusal::tooFar:
+        return "too far";
+    case input::Refusal::tooSteep:
+        break;
+    }
+    return "too steep to stand on";
 }
 
 /// A ray from an eye through a place in its picture: a pose that looks along it.
@@ -238,11 +253,29 @@ input::Wants Walk::hearWants(WalkStage& stage, const xr::ViewSource& source, con
             wants.undo = says.wants.undo;
         }
     }
-    if (!isDesk(source) && stage.actions() != nullptr) stage.actions()->read(stage.headset()->displayTime(), wants);
+    if (!isDesk(source) && stage.actions() != nullptr) {
+        stage.actions()->read(stage.headset()->displayTime(), wants);
+        sayControllers(*stage.actions());
+    }
     wants.trackingFromHead = frame.trackingFromHead;
     wants.isHeadTracked = frame.isTracked;
-    wants.seconds = frame.seconds - std::exchange(wentAt_, frame.seconds);
+    wants.seconds = seconds_ - std::exchange(wentAt_, seconds_);
     return wants;
+}
+
+void Walk::sayControllers(const input::Actions& actions) {
+    constexpr std::array kNames{"left", "right"};
+    for (std::size_t hand = 0; hand < input::kHands; ++hand) {
+        const std::string& held = actions.controller(hand);
+        if (held == controllers_[hand]) continue;
+        controllers_[hand] = held;
+        say(std::string(kNames[hand]) + " hand: " + (held.empty() ? "no controller" : held));
+    }
+    // Runtimes make unknown controllers look like known ones where they can; where they cannot, they name none.
+    if (framesWithoutController_ <= kPatientFrames && controllers_[0].empty() && controllers_[1].empty() &&
+        framesWithoutController_++ == kPatientFrames)
+        say("no controller that is known: switch one on, or bind it in the runtime's settings; the path or the desk's "
+            "keys (home, recentre, next) lead meanwhile");
 }
 
 void Walk::setHome() {
@@ -262,6 +295,20 @@ void Walk::startHere() {
     }
 }
 
+void Walk::tellTime(const xr::ViewSource& source, const xr::Frame& frame) {
+    if (clockOf_ != &source || frame.seconds < frameSeconds_) {
+        // Another source counts from another beginning; what passed between them has passed.
+        const auto now = std::chrono::steady_clock::now();
+        if (clockOf_ == nullptr) began_ = now;
+        const double passed = std::chrono::duration<double>(now - began_).count();
+        clockOffset_ = std::max(seconds_, clockOf_ == nullptr ? 0.0 : passed) - frame.seconds;
+        if (options_.isHeadless) clockOffset_ = 0;
+        clockOf_ = &source;
+    }
+    frameSeconds_ = frame.seconds;
+    seconds_ = frame.seconds + clockOffset_;
+}
+
 void Walk::go(WalkStage& stage, const xr::ViewSource& source, const xr::Frame& frame) {
     const scene::Pose& head = frame.trackingFromHead;
     // Where a head that is not known stands would be made up.
@@ -279,7 +326,7 @@ void Walk::go(WalkStage& stage, const xr::ViewSource& source, const xr::Frame& f
     const input::Wants wants = hearWants(stage, source, frame);
     if (options_.isHeadless) return; // the path is the head's
     if (path_) {
-        if (const auto led = path_(frame.seconds)) {
+        if (const auto led = path_(seconds_)) {
             if (!firstHead_) firstHead_ = head;
             locomotion_.rig = input::rigWithHeadAt(*firstHead_, led->translation, input::headingOf(led->rotation), 1);
         }
@@ -329,6 +376,9 @@ void Walk::fillOverlay(const xr::ViewSource& source) {
         const std::array beam{worldFromWalk_ * target->from, worldFromWalk_ * target->to};
         addTeleport(overlay_, beam, worldFromWalk_.rotation * glm::dvec3(0, 1, 0), target->isAllowed(),
                     0.25 * locomotion_.rig.scale);
+        if (target->refusal)
+            overlay_.labels.push_back(
+                {.at = beam[1], .text = textOf(*target->refusal), .colour = kRefusedColour, .whenHidden = 1});
     }
     if (annotator_) annotator_->appendTo(overlay_);
     if (isDesk(source)) return;
@@ -341,6 +391,7 @@ void Walk::draw(WalkStage& stage, xr::ViewSource& source, const xr::Frame& frame
     if (frame.isTracked != wasTracked_)
         say(frame.isTracked ? "the head is tracked again" : "the head is not tracked; its last place is kept");
     wasTracked_ = frame.isTracked;
+    tellTime(source, frame);
     go(stage, source, frame);
     const input::Rig& rig = locomotion_.rig;
     const scene::Pose walkFromHead = rig.toWalk(frame.trackingFromHead);
@@ -350,7 +401,7 @@ void Walk::draw(WalkStage& stage, xr::ViewSource& source, const xr::Frame& frame
     }
     // Where this frame's steps have led, too.
     if (std::exchange(startsHere_, false)) startHere();
-    record_.addPose(frame.seconds, walkFromHead, rig);
+    record_.addPose(seconds_, walkFromHead, rig);
 
     render::Renderer& renderer = stage.rendererFor(source);
     const auto eyes = static_cast<std::size_t>(source.eyes());
@@ -372,7 +423,7 @@ void Walk::draw(WalkStage& stage, xr::ViewSource& source, const xr::Frame& frame
         // Where there is a headset, what it was given counts and not what we have.
         if (outputs[eye].image != VK_NULL_HANDLE)
             pictures[eye].colour = render::readOutput(stage.device(), outputs[eye], source.width(), source.height());
-        record_.addPicture(static_cast<int>(frame_), eye, views[eye], std::move(pictures[eye]));
+        record_.addPicture(static_cast<int>(frame_), eye, views[eye], pictures[eye]);
     }
 }
 

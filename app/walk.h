@@ -47,8 +47,12 @@ class Walk {
     void drawFrame(WalkStage& stage, xr::ViewSource& source, const xr::Frame& frame);
     void draw(WalkStage& stage, xr::ViewSource& source, const xr::Frame& frame);
     void mirror(render::Renderer& renderer, bool isAtDesk, const xr::Frame& frame);
+    /// One clock for the walk, whoever counts its frames.
+    void tellTime(const xr::ViewSource& source, const xr::Frame& frame);
     /// Moves the walker: as the path leads, or as controllers, keys and mouse say.
     void go(WalkStage& stage, const xr::ViewSource& source, const xr::Frame& frame);
+    /// What the hands hold, when that changes; and once that they hold nothing.
+    void sayControllers(const input::Actions& actions);
     /// Home is where walks through this scene begin.
     void setHome();
     /// From now on walks through this scene begin where the walker stands.
@@ -82,6 +86,8 @@ class Walk {
     nlohmann::json lastReport_;
     render::FrameStats stats_;
     render::Overlay overlay_;
+    std::array<std::string, input::kHands> controllers_;
+    int framesWithoutController_ = 0;
     std::optional<Annotator> annotator_;
     std::array<input::Hand, input::kHands> hands_{}; ///< in the frame before it is drawn
     render::FramePictures mirrored_;
@@ -89,8 +95,12 @@ class Walk {
     std::future<std::unique_ptr<xr::Runtime>> sought_;
     std::unique_ptr<xr::Runtime> found_;
     std::chrono::steady_clock::time_point soughtAt_, frameAt_;
-    double heading_ = 0; ///< of the head in the frame before, walk space
-    double wentAt_ = 0;  ///< the time of the frame the walker was moved for last
+    double heading_ = 0;            ///< of the head in the frame before, walk space
+    double wentAt_ = 0;             ///< seconds_ when the walker was moved last
+    double seconds_ = 0;            ///< of this frame, since the walk began
+    const void* clockOf_ = nullptr; ///< the source that frameSeconds_ is from
+    double frameSeconds_ = 0, clockOffset_ = 0;
+    std::chrono::steady_clock::time_point began_;
     std::size_t frame_ = 0;
     bool wasTracked_ = true;
 };

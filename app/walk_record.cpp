@@ -3,6 +3,7 @@
 #include "app/frame_pictures.h"
 #include "app/stage_store.h"
 
+#include <algorithm>
 #include <cstdio>
 
 namespace app {
@@ -11,14 +12,15 @@ using nlohmann::json;
 
 void WalkRecord::addPose(double seconds, const scene::Pose& walkFromHead, const input::Rig& rig) {
     if (options_.record.empty()) return;
-    path_.keys.push_back({seconds, walkFromHead, rig});
+    const double last = path_.keys.empty() ? seconds : path_.keys.back().seconds;
+    path_.keys.push_back({std::max(seconds, last), walkFromHead, rig});
 }
 
 bool WalkRecord::wantsPicture(int frame) const {
     return options_.pictureEvery > 0 && !options_.out.empty() && frame % options_.pictureEvery == 0;
 }
 
-void WalkRecord::addPicture(int frame, std::size_t eye, const scene::View& view, render::EyeImage image) {
+void WalkRecord::addPicture(int frame, std::size_t eye, const scene::View& view, const render::EyeImage& image) {
     char name[64];
     std::snprintf(name, sizeof name, "frame-%06d-%s", frame, eye == 0 ? "left" : "right");
     writePictures(image, options_.out, name, false);

@@ -1,7 +1,7 @@
 #include "app/walk_scene.h"
 
 #include "app/desk_window.h"
-#include "app/stage_store.h"
+#include "app/kept_settings.h"
 #include "app/walk.h"
 
 #include "scene/errors.h"
@@ -49,40 +49,13 @@ bool hasDisplay() {
     return isSet("DISPLAY") || isSet("WAYLAND_DISPLAY");
 }
 
-/// The walker's settings: read before the walk, written after it if they were changed. A file that cannot be read is
-/// told of and left as it is.
-class KeptSettings {
-  public:
-    KeptSettings() : file_(input::settingsFile()) {
-        try {
-            read_ = input::readSettings(file_);
-        } catch (const scene::Failure& failure) {
-            std::fprintf(stderr, "revisit: %s; until then settings are not kept\n", failure.what());
-            file_.clear();
-        }
-    }
-    const input::Settings& read() const { return read_; }
-    void keep(const input::Settings& settings) const {
-        if (file_.empty()) return;
-        const std::string before = input::textOf(read_, file_), now = input::textOf(settings, file_);
-        if (now == before) return;
-        std::error_code error;
-        std::filesystem::create_directories(file_.parent_path(), error);
-        try {
-            writeWhole(file_, now);
-        } catch (const scene::Failure& failure) {
-            std::fprintf(stderr, "revisit: %s\n", failure.what());
-        }
-    }
-
-  private:
-    std::filesystem::path file_;
-    input::Settings read_;
-};
+void tell(const std::string& sentence) {
+    std::fprintf(stderr, "revisit: %s\n", sentence.c_str());
+}
 
 /// The window in this thread, the walk in another: neither holds the other up.
 void walkBesideWindow(const scene::Scene& scene, WalkOptions options, xr::Window& window) {
-    const KeptSettings kept;
+    const KeptSettings kept(input::settingsFile(), tell);
     options.settings = kept.read();
     Desk desk(Walk::knobsOf(options));
     xr::DesktopOptions desktopOptions;
@@ -119,7 +92,7 @@ void walkBesideWindow(const scene::Scene& scene, WalkOptions options, xr::Window
 
 void walkAlone(const scene::Scene& scene, WalkOptions options) {
     // Without a display nothing may depend on who runs it.
-    if (!options.isHeadless) options.settings = KeptSettings().read();
+    if (!options.isHeadless) options.settings = KeptSettings(input::settingsFile(), tell).read();
     Walk(scene, options, nullptr).run();
 }
 

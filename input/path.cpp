@@ -4,6 +4,7 @@
 #include "scene/json_file.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <string>
 
@@ -130,14 +131,13 @@ std::string textOf(const RecordedPath& path) {
     return json{{"space", path.space == PathSpace::walk ? "walk" : "world"}, {"poses", poses}}.dump(1) + "\n";
 }
 
-SmoothPath::SmoothPath(std::vector<PathKey> keys) {
+SmoothPath::SmoothPath(const std::vector<PathKey>& keys) {
+    assert(!keys.empty());
     for (const PathKey& key : keys) {
         Knot knot;
         knot.seconds = key.seconds;
         knot.pose = key.spaceFromHead;
         knot.quaternion = scene::quaternionOf(key.spaceFromHead);
-        if (!knots_.empty() && glm::dot(knot.quaternion, knots_.back().quaternion) < 0)
-            knot.quaternion = -knot.quaternion;
         knots_.push_back(knot);
     }
     // Mean velocities of the pieces; both ends of a piece see its mean turning alike, since it turns about one axis.

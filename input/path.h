@@ -40,7 +40,8 @@ std::string textOf(const RecordedPath& path);
 /// are a jump.
 class SmoothPath {
   public:
-    explicit SmoothPath(std::vector<PathKey> keys);
+    /// At least one key, in the order of time.
+    explicit SmoothPath(const std::vector<PathKey>& keys);
 
     /// Before the first key, the first; after the last, nothing.
     std::optional<scene::Pose> operator()(double seconds) const;
@@ -49,7 +50,7 @@ class SmoothPath {
     struct Knot {
         double seconds = 0;
         scene::Pose pose;
-        glm::dvec4 quaternion{0, 0, 0, 1};      ///< of the same hemisphere as the one before
+        glm::dvec4 quaternion{0, 0, 0, 1};      ///< of the pose
         glm::dvec3 velocity{0}, turning{0};     ///< where the piece after it begins: metres and radians a second
         glm::dvec3 velocityTo{0}, turningTo{0}; ///< where the piece before it ends; other than those at a jump
     };

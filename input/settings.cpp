@@ -3,7 +3,7 @@
 #include "scene/errors.h"
 #include "scene/json_file.h"
 
-#include <cmath>
+#include <cstdio>
 #include <cstdlib>
 #include <vector>
 
@@ -13,6 +13,25 @@ namespace {
 
 using nlohmann::json;
 namespace fs = std::filesystem;
+
+/// 0.1, and not 0.100000.
+std::string shortly(double value) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%g", value);
+    return text;
+}
+
+/// Nothing if there is no such file. Throws scene::Failure if it is broken, or holds anything but fields.
+std::optional<json> readFields(const fs::path& file) {
+    std::error_code error;
+    const fs::file_status status = fs::status(file, error);
+    if (status.type() == fs::file_type::not_found) return std::nullopt;
+    if (error) throw scene::Failure("cannot be looked for (" + error.message() + ")", file, "check the path");
+    if (fs::is_directory(status)) throw scene::Failure("is a folder", file, "remove it");
+    json root = scene::readJsonFile(file);
+    if (!root.is_object()) throw scene::Failure("holds no fields", file, "correct or remove it");
+    return root;
+}
 
 /// Calls visit(name, value, least, most) for each number and visit(name, value) for each switch, so that reading and
 /// writing know the same ones.
@@ -25,6 +44,8 @@ void forEachSetting(S& settings, Visit&& visit) {
     visit("hurry_factor", l.hurryFactor, 1, 20);
     visit("steepest_degrees", l.steepestDegrees, 0, 89);
     visit("reach_metres", l.reachMetres, 1, 1000);
+    visit("vignette_rise_seconds", l.vignetteRiseSeconds, 0, 5);
+    visit("vignette_fall_seconds", l.vignetteFallSeconds, 0, 5);
     visit("eye_height_metres", settings.eyeHeightMetres, 0.1, 3);
     visit("flies", l.flies);
     visit("vignette", l.hasVignette);
@@ -39,9 +60,8 @@ struct Reader {
         if (!from.contains(name)) return;
         const json& given = from[name];
         if (!given.is_number() || !(given.get<double>() >= least && given.get<double>() <= most))
-            throw scene::Failure(std::string(name) + " is no number from " + std::to_string(least) + " to " +
-                                     std::to_string(most),
-                                 file, "correct or remove it");
+            throw scene::Failure(name + (" is no number from " + shortly(least)) + " to " + shortly(most), file,
+                                 "correct or remove it");
         value = given.get<double>();
     }
     void operator()(const char* name, bool& value) const {
@@ -75,35 +95,29 @@ fs::path settingsFile() {
 
 Settings readSettings(const fs::path& file) {
     Settings settings;
-    if (file.empty() || !fs::exists(file)) return settings;
-    const json root = scene::readJsonFile(file);
-    if (!root.is_object()) throw scene::Failure("holds no settings", file, "correct or remove it");
-    forEachSetting(settings, Reader{root, file});
+    if (file.empty()) return settings;
+    if (const std::optional<json> root = readFields(file)) forEachSetting(settings, Reader{*root, file});
     return settings;
 }
 
 std::string textOf(const Settings& settings, const fs::path& before) {
-    json root = json::object();
-    if (fs::exists(before)) root = scene::readJsonFile(before);
+    json root = before.empty() ? json::object() : readFields(before).value_or(json::object());
     forEachSetting(settings, Writer{root});
     return root.dump(1) + "\n";
 }
 
 std::optional<StartPose> readStart(const fs::path& file) {
-    if (!fs::exists(file)) return std::nullopt;
-    const json root = scene::readJsonFile(file);
+    const std::optional<json> root = readFields(file);
+    if (!root) return std::nullopt;
+    const scene::Failure failure("says no place to start from", file, "correct or remove it");
     try {
-        const auto feet = root.at("feet").get<std::vector<double>>();
-        StartPose start;
-        start.heading = root.at("heading").get<double>();
-        start.scale = root.at("scale").get<double>();
-        if (feet.size() != 3 || !std::isfinite(feet[0] + feet[1] + feet[2] + start.heading + start.scale) ||
-            !(start.scale > 0))
-            throw scene::Failure("says no place to start from", file, "correct or remove it");
-        start.feet = {feet[0], feet[1], feet[2]};
-        return start;
+        const auto feet = root->at("feet").get<std::vector<double>>();
+        if (feet.size() != 3) throw failure;
+        const Rig rig{{feet[0], feet[1], feet[2]}, root->at("heading").get<double>(), root->at("scale").get<double>()};
+        if (!isUsable(rig)) throw failure;
+        return StartPose{rig.origin, rig.yaw, rig.scale};
     } catch (const json::exception&) {
-        throw scene::Failure("says no place to start from", file, "correct or remove it");
+        throw failure;
     }
 }
 

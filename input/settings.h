@@ -22,7 +22,8 @@ std::filesystem::path settingsFile();
 /// broken or a value is out of its range.
 Settings readSettings(const std::filesystem::path& file);
 
-/// The text of such a file. What stands in `before`, an earlier file, and is not known here is kept.
+/// The text of such a file. What stands in `before`, an earlier file, and is not known here is kept. Throws
+/// scene::Failure if that file is broken: whoever wrote it would lose it.
 std::string textOf(const Settings& settings, const std::filesystem::path& before);
 
 inline constexpr const char* kStartFile = "start.json"; ///< in the scene's folder
@@ -32,7 +33,8 @@ struct StartPose {
     glm::dvec3 feet{0};
     double heading = 0, scale = 1;
 };
-/// Nothing if there is no such file. Throws scene::Failure.
+/// Nothing if there is no such file. Throws scene::Failure, also for places where no
+/// rig may stand.
 std::optional<StartPose> readStart(const std::filesystem::path& file);
 std::string textOf(const StartPose& start);
 

@@ -39,6 +39,7 @@ class Device {
     VkInstance instance() const { return instance_; }
     VkPhysicalDevice physical() const { return physical_; }
     VkDevice handle() const { return device_; }
+    // It goes where Vulkan wants its own handle. NOLINTNEXTLINE(google-explicit-constructor)
     operator VkDevice() const { return device_; }
 
     std::uint32_t queueFamily() const { return queueFamily_; }

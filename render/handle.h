@@ -23,6 +23,7 @@ class Handle {
     ~Handle() {
         if (handle_ != VK_NULL_HANDLE) (*destroy)(device_, handle_, nullptr);
     }
+    // It goes where Vulkan wants its own. NOLINTNEXTLINE(google-explicit-constructor)
     operator T() const { return handle_; }
     const T* address() const { return &handle_; }
 

@@ -12,7 +12,7 @@ namespace {
 
 /// How far outside the image a sample may stand and still touch it.
 double marginOf(const Quality& quality) {
-    return quality.warp == Warp::points ? quality.maxFootprint / 2 + 1.0 : 1.0;
+    return quality.warp == Warp::points ? 0.5 * quality.maxFootprint + 1.0 : 1.0;
 }
 
 constexpr VkPipelineStageFlags kCompute = VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT;

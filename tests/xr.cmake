@@ -33,3 +33,8 @@ revisit_program_test(revisit_headset_world_tests LABELS programs TIMEOUT 300
 target_link_libraries(revisit_headset_world_tests PRIVATE revisit_monado scene)
 target_compile_definitions(revisit_headset_world_tests PRIVATE REVISIT_FAKE_RUNTIME="$<TARGET_FILE:revisit_fake_runtime>")
 add_dependencies(revisit_headset_world_tests revisit_fake_runtime)
+
+# A window beside the headset.
+revisit_program_test(revisit_desk_fallback_tests LABELS programs TIMEOUT 300
+    SOURCES app/comparison.cpp app/program.cpp app/sample_scene.cpp app/screen.cpp app/walker.cpp xr/desk_fallback_test.cpp)
+target_link_libraries(revisit_desk_fallback_tests PRIVATE revisit_monado scene X11::X11)

@@ -104,6 +104,41 @@ TEST_F(Walk, StereoFramesHaveTheRightParallax) {
     EXPECT_LT(rightWay, 0.7 * wrongWay);
 }
 
+TEST_F(Walk, WhoIsLedSeesWhatRenderDraws) {
+    nlohmann::json poses = nlohmann::json::array();
+    for (int i = 0; i < 6; ++i) {
+        const double half = 0.07 * i, tilt = 0.02 * i - 0.05;
+        poses.push_back({{"t", i / 10.0},
+                         {"position", {0.03 * i, 0.002 * i * i, 0.05 * i}},
+                         {"orientation",
+                          {std::cos(half) * std::sin(tilt), std::sin(half) * std::cos(tilt),
+                           -std::sin(half) * std::sin(tilt), std::cos(half) * std::cos(tilt)}}});
+    }
+    for (const std::string space : {"walk", "world"}) {
+        const std::string file = path(space + ".json"), walked = path("walked-" + space),
+                          drawn = path("drawn-" + space);
+        std::ofstream(file) << nlohmann::json{{"space", space}, {"poses", poses}}.dump();
+        // Three frames from key to key.
+        const Outcome led = run({kRevisit, "walk", path("room.revisit"), "--headless", "--path", file, "--rate", "30",
+                                 "--size", "160x120", "--out", walked, "--picture-every", "3"},
+                                folder());
+        ASSERT_EQ(led.status, 0) << led.output;
+        ASSERT_EQ(run({kRevisit, "render", path("room.revisit"), "--path", file, "--size", "160x120", "--out", drawn},
+                      folder())
+                      .status,
+                  0);
+        EXPECT_EQ(readJson(walked + "/report.json").at("frames"), 16);
+        for (int i = 0; i < 6; ++i)
+            for (const std::string eye : {"left", "right"}) {
+                char number[16];
+                std::snprintf(number, sizeof number, "%06d", 3 * i);
+                EXPECT_EQ(scene::bytesOfFile(walked + "/frame-" + number + "-" + eye + ".png"),
+                          scene::bytesOfFile(drawn + "/pose-000" + std::to_string(i) + "-" + eye + ".png"))
+                    << "pose " << i << " in " << space;
+            }
+    }
+}
+
 TEST_F(Walk, TheSameBytesOnOneThreadAndAfterBeingKilled) {
     const auto whole = filesOf(path("room.revisit"));
     ASSERT_FALSE(whole.empty());
@@ -244,8 +279,10 @@ TEST_F(Walk, NotesAreToldByInfoAndOutliveANewBuild) {
     EXPECT_NE(told.find("front door: 1.500 2.000 3.000"), std::string::npos) << told;
     EXPECT_NE(told.find("D2 5.000 m: from 0.000 0.000 0.000 to 3.000 4.000 0.000"), std::string::npos) << told;
 
+    scene::writeFile(scene + "/start.json", "{}");
     ASSERT_EQ(run(build, folder()).status, 0);
     EXPECT_EQ(nlohmann::json::parse(run(infoJson, folder()).output).at("notes"), notes);
+    EXPECT_EQ(scene::bytesOfFile(scene + "/start.json"), "{}") << "where walks begin outlives it, too";
 
     scene::writeFile(file, root.dump().substr(1));
     const Outcome refused = run(info, folder());

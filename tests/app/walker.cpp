@@ -13,7 +13,7 @@ namespace app {
 
 namespace {
 
-constexpr std::chrono::seconds kPatience{60};
+constexpr std::chrono::seconds kPatience{240}; // for machines with much else to do
 constexpr int kLookAgainMilliseconds = 2;
 
 std::size_t countOf(const std::filesystem::path& folder) {

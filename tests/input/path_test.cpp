@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -97,6 +98,49 @@ TEST(SmoothPath, EvenMotionStaysEven) {
     }
 }
 
+TEST(SmoothPath, EvenMotionStaysEvenHoweverUnevenTheTimes) {
+    std::vector<PathKey> keys;
+    for (const double t : {0.0, 0.01, 0.5, 0.52, 2.0, 2.001, 2.3, 5.0})
+        keys.push_back({t, poseAt({0.6 * t, 1.6, -0.2 * t}, 0.4 * t), {}});
+    const SmoothPath path(keys);
+    for (double t = 0; t < 5; t += 0.0037) {
+        EXPECT_LT(glm::distance(path(t)->translation, glm::dvec3(0.6 * t, 1.6, -0.2 * t)), 1e-12) << t;
+        EXPECT_LT(angleBetween(*path(t), poseAt({}, 0.4 * t)), 1e-9) << t;
+    }
+}
+
+TEST(SmoothPath, LiesBetweenTheKeysHoweverTheyCome) {
+    std::mt19937 random(17);
+    std::uniform_real_distribution<double> any(-1, 1);
+    for (int round = 0; round < 300; ++round) {
+        std::vector<PathKey> keys;
+        double seconds = 1e5 * any(random);
+        for (int i = 0; i < 12; ++i) {
+            scene::Pose pose = poseAt({any(random), any(random), any(random)}, 4 * any(random), any(random));
+            // As trackers write them: standing still, twice the same time, a thousandth of a second apart.
+            if (i > 0 && any(random) > 0.6) pose = keys.back().spaceFromHead;
+            keys.push_back({seconds, pose, {}});
+            seconds += any(random) > 0.7 ? 0 : std::pow(10, 3 * any(random));
+        }
+        const SmoothPath path(keys);
+        for (std::size_t i = 0; i + 1 < keys.size(); ++i) {
+            const scene::Pose &a = keys[i].spaceFromHead, &b = keys[i + 1].spaceFromHead;
+            const double h = keys[i + 1].seconds - keys[i].seconds;
+            for (double share = 0.05; share < 1 && h > 0; share += 0.05) {
+                const auto pose = path(keys[i].seconds + share * h);
+                ASSERT_TRUE(pose);
+                for (int axis = 0; axis < 3; ++axis) {
+                    EXPECT_GE(pose->translation[axis], std::min(a.translation[axis], b.translation[axis]) - 1e-9);
+                    EXPECT_LE(pose->translation[axis], std::max(a.translation[axis], b.translation[axis]) + 1e-9);
+                }
+                // A turn may bulge, since the next one is about another axis, but takes no long way round.
+                EXPECT_LT(angleBetween(a, *pose) + angleBetween(*pose, b), 1.5 * angleBetween(a, b) + 1e-6)
+                    << "round " << round << ", key " << i << ", " << share;
+            }
+        }
+    }
+}
+
 TEST(SmoothPath, TurnsTheShorterWay) {
     const SmoothPath path({{0, poseAt({0, 0, 0}, 3.0), {}}, {1, poseAt({0, 0, 0}, -3.0), {}}});
     EXPECT_LT(angleBetween(*path(0.5), poseAt({0, 0, 0}, 3.14159265358979)), 1e-9);
@@ -133,6 +177,23 @@ TEST(RecordedPath, ComesBackAsItWasWritten) {
         EXPECT_EQ(again.keys[i].rig.has_value(), i == 3);
     }
     EXPECT_EQ(again.keys[3].rig->scale, 2);
+}
+
+TEST(RecordedPath, TimesThatRunBackAreRefusedByThePose) {
+    const scene::ScratchFolder scratch;
+    const std::filesystem::path file = scratch / "path.json";
+    RecordedPath path;
+    for (const double t : {0.0, 1.0, 1.0, 0.999999, 3.0})
+        path.keys.push_back({t, poseAt({t, 0, 0}), {}});
+    scene::writeFile(file, textOf(path));
+    const std::string failure = scene::failureOf<scene::Failure>([&] { readPath(file); });
+    EXPECT_EQ(failure.find(file.string() + ", pose 3: "), 0u) << failure;
+    EXPECT_EQ(failure.find('\n'), std::string::npos);
+    path.keys.erase(path.keys.begin() + 3);
+    path.space = PathSpace::world;
+    scene::writeFile(file, textOf(path));
+    EXPECT_EQ(readPath(file).keys.size(), 4u) << "twice the same time is a jump";
+    EXPECT_EQ(readPath(file).space, PathSpace::world);
 }
 
 TEST(RecordedPath, ARigThatStandsNowhereIsRefused) {
