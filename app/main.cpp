@@ -145,9 +145,10 @@ void addWalk(CLI::App& program, app::WalkOptions& options, std::string& size, st
                      "keep what both eyes were given, and cameras.json to draw it again, every so many frames")
         ->check(CLI::Range(1, 1 << 30));
     walk->add_option("--frames", options.frames, "end after so many")->check(CLI::Range(1, 1 << 30));
-    walk->add_option("--rate", options.framesPerSecond, "frames a second along the path, without a display")
-        ->check(CLI::Range(1.0, 1000.0))
-        ->capture_default_str();
+    walk->add_option("--rate", options.framesPerSecond,
+                     "frames a second: along the path without a display (default 90); of a headset, the nearest it "
+                     "offers")
+        ->check(CLI::Range(1.0, 1000.0));
     walk->add_option("--size", size, "WxH of an eye without a display; default 640x480");
     addDrawOptions(*walk, options.draw);
     walk->add_option("--memory", memory, "what the scene may take, e.g. 8G")->capture_default_str();

@@ -140,6 +140,7 @@ void Walk::run() {
     std::optional<WalkStage> stage(firstStage());
     while (true) {
         say("walking: " + stage->name() + ", on " + stage->device().name());
+        if (const std::string refusal = stage->askForRate(options_.framesPerSecond); !refusal.empty()) say(refusal);
         facts_.display = stage->name() + ", drawn on " + stage->device().name();
         const Outcome outcome = walkOn(*stage);
         lastReport_ = reportOf(*stage);
@@ -391,6 +392,7 @@ void Walk::draw(WalkStage& stage, xr::ViewSource& source, const xr::Frame& frame
     if (frame.isTracked != wasTracked_)
         say(frame.isTracked ? "the head is tracked again" : "the head is not tracked; its last place is kept");
     wasTracked_ = frame.isTracked;
+    if (frame.wasRecentred) say("the headset was recentred");
     tellTime(source, frame);
     go(stage, source, frame);
     const input::Rig& rig = locomotion_.rig;
@@ -411,6 +413,10 @@ void Walk::draw(WalkStage& stage, xr::ViewSource& source, const xr::Frame& frame
         views[eye] = {frame.eyes[eye].camera, worldFromWalk_ * rig.toWalk(frame.eyes[eye].worldFromEye)};
         outputs[eye].image = frame.images[eye].image;
         outputs[eye].layer = frame.images[eye].layer;
+        outputs[eye].depth = frame.images[eye].depth;
+        outputs[eye].depthLayer = frame.images[eye].depthLayer;
+        // In metres of the wearer's room, whatever the scale of the world.
+        outputs[eye].nearMetres = static_cast<float>(xr::kDepthNearMetres * rig.scale);
     }
     if (isDesk(source) || (deskSide_ != nullptr && deskSide_->desk.wantsPicture())) renderer.keepNext();
     fillOverlay(source);
@@ -449,6 +455,7 @@ json Walk::reportOf(const WalkStage& stage) const {
     return report_.summarise(stage.device(), stage.gpuScene(),
                              {{"scene", options_.scene.string()},
                               {"display", stage.name()},
+                              {"hidden_share", stage.hiddenShares()},
                               {"warp", knobs_.quality.warp == render::Warp::mesh ? "mesh" : "points"},
                               {"eyes", xr::kEyes},
                               {"near_baseline", knobs_.quality.preference.nearBaseline},

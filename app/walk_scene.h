@@ -19,7 +19,7 @@ struct WalkOptions {
     int pictureEvery = 0;          ///< frames from picture to picture in out; 0: none
     int frames = 0;                ///< ends after so many; 0: when the path or the walker ends
     int width = 640, height = 480; ///< headless; a headset has its own
-    double framesPerSecond = 90;   ///< headless: time from frame to frame along the path
+    double framesPerSecond = 0;    ///< 0: as the headset has it; headless, along the path, 90
     DrawOptions draw;
     input::Settings settings;
 };

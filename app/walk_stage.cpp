@@ -1,5 +1,9 @@
 #include "app/walk_stage.h"
 
+#include <cmath>
+#include <cstdio>
+#include <optional>
+
 namespace app {
 
 namespace {
@@ -54,7 +58,7 @@ WalkStage WalkStage::headless(const scene::Scene& scene, xr::Headless::Path path
     xr::HeadlessOptions headless;
     headless.width = options.width, headless.height = options.height;
     headless.eyeDistanceMetres = options.draw.eyeDistanceMetres;
-    headless.framesPerSecond = options.framesPerSecond;
+    if (options.framesPerSecond > 0) headless.framesPerSecond = options.framesPerSecond;
     stage.headless_ = std::make_unique<xr::Headless>(std::move(path), headless);
     stage.source_ = stage.headless_.get();
     stage.rendererFor(stage.source());
@@ -69,6 +73,27 @@ render::Renderer& WalkStage::rendererFor(const xr::ViewSource& source) {
     renderer.reset(); // before the new one takes as much memory
     renderer = std::make_unique<render::Renderer>(*device_, *gpuScene_, source.width(), source.height(), source.eyes());
     return *renderer;
+}
+
+std::string WalkStage::askForRate(double framesPerSecond) {
+    if (headset_ == nullptr || framesPerSecond <= 0) return {};
+    const std::optional<double> rate = headset_->askForRate(framesPerSecond);
+    const auto inWords = [](double hertz) {
+        std::array<char, 32> text{};
+        std::snprintf(text.data(), text.size(), "%g Hz", hertz);
+        return std::string(text.data());
+    };
+    if (!rate) return "the headset keeps its own rate: it refuses " + inWords(framesPerSecond);
+    constexpr double kSame = 0.5;
+    if (std::abs(*rate - framesPerSecond) < kSame) return {};
+    return "the headset does not offer " + inWords(framesPerSecond) + "; it shows " + inWords(*rate);
+}
+
+std::array<double, xr::kEyes> WalkStage::hiddenShares() const {
+    std::array<double, xr::kEyes> shares{};
+    for (std::size_t eye = 0; headset_ != nullptr && eye < xr::kEyes; ++eye)
+        shares[eye] = headset_->hiddenShareOf(eye);
+    return shares;
 }
 
 bool WalkStage::requestEnd() {

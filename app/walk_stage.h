@@ -36,6 +36,10 @@ class WalkStage {
     const render::Device& device() const { return *device_; }
     const render::GpuScene& gpuScene() const { return *gpuScene_; }
     const std::string& name() const { return name_; } ///< what the walker looks through
+    /// Asks the headset for the offered rate that is nearest; 0: as it is. What is to be said if it is not that rate.
+    std::string askForRate(double framesPerSecond);
+    /// Of each eye's picture, what no lens shows.
+    std::array<double, xr::kEyes> hiddenShares() const;
     /// Asks the headset to end its session; false if there is none to ask.
     bool requestEnd();
 

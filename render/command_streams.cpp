@@ -15,7 +15,7 @@ CommandStreams::CommandStreams(const Device& device, int eyes) : device_(device)
             poolInfo.queueFamilyIndex = device.queueFamily();
             VkCommandPool pool = VK_NULL_HANDLE;
             check(vkCreateCommandPool(device, &poolInfo, nullptr, &pool));
-            Stream stream{{device, pool}, VK_NULL_HANDLE, {}};
+            Stream stream{{device, pool}, VK_NULL_HANDLE, {}, {}};
 
             VkCommandBufferAllocateInfo allocate{};
             allocate.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO;
@@ -30,6 +30,13 @@ CommandStreams::CommandStreams(const Device& device, int eyes) : device_(device)
             VkFence fence = VK_NULL_HANDLE;
             check(vkCreateFence(device, &fenceInfo, nullptr, &fence));
             stream.finished = {device, fence};
+            if (eye > 0 && !device.eyesShareQueue()) {
+                VkSemaphoreCreateInfo semaphoreInfo{};
+                semaphoreInfo.sType = VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO;
+                VkSemaphore semaphore = VK_NULL_HANDLE;
+                check(vkCreateSemaphore(device, &semaphoreInfo, nullptr, &semaphore));
+                stream.joined = {device, semaphore};
+            }
             streams.push_back(std::move(stream));
         }
 }
@@ -65,16 +72,35 @@ VkCommandBuffer CommandStreams::begin(std::size_t slot, int eye) {
 }
 
 void CommandStreams::submit(std::size_t slot) {
-    for (std::size_t eye = 0; eye < slots_[slot].size(); ++eye) {
-        const Stream& stream = slots_[slot][eye];
+    std::vector<Stream>& streams = slots_[slot];
+    const bool joins = streams.size() > 1 && !device_.eyesShareQueue();
+    std::vector<VkSemaphore> joined;
+    for (std::size_t eye = 0; eye < streams.size(); ++eye) {
+        const Stream& stream = streams[eye];
         check(vkEndCommandBuffer(stream.commands));
         check(vkResetFences(device_, 1, stream.finished.address()));
         VkSubmitInfo info{};
         info.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO;
         info.commandBufferCount = 1;
         info.pCommandBuffers = &stream.commands;
-        check(vkQueueSubmit(device_.queue(static_cast<int>(eye)), 1, &info, stream.finished));
+        if (joins && eye > 0) {
+            info.signalSemaphoreCount = 1;
+            info.pSignalSemaphores = stream.joined.address();
+            joined.push_back(stream.joined);
+        }
+        // The first eye has finished when it has waited for the others, too: then the semaphores may be used again.
+        const bool isFirst = joins && eye == 0;
+        check(vkQueueSubmit(device_.queue(static_cast<int>(eye)), 1, &info,
+                            isFirst ? VK_NULL_HANDLE : VkFence(stream.finished)));
     }
+    if (!joins) return;
+    const std::vector<VkPipelineStageFlags> stages(joined.size(), VK_PIPELINE_STAGE_ALL_COMMANDS_BIT);
+    VkSubmitInfo wait{};
+    wait.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO;
+    wait.waitSemaphoreCount = static_cast<std::uint32_t>(joined.size());
+    wait.pWaitSemaphores = joined.data();
+    wait.pWaitDstStageMask = stages.data();
+    check(vkQueueSubmit(device_.queue(0), 1, &wait, streams[0].finished));
 }
 
 void runAndWait(const Device& device, const std::function<void(VkCommandBuffer)>& recordCommands) {

@@ -28,14 +28,16 @@ class CommandStreams {
     /// Starts an eye's commands anew; the slot must have been waited for. Different eyes may be recorded by
     /// different threads.
     VkCommandBuffer begin(std::size_t slot, int eye);
-    /// Ends and submits all eyes of a slot, the left one first, each on its own queue where there are two.
+    /// Ends and submits all eyes of a slot, the left one first, each on its own queue where there are two. Whatever is
+    /// submitted to the first queue afterwards (by a headset's runtime) comes after both.
     void submit(std::size_t slot);
 
   private:
     struct Stream {
         CommandPool pool;
         VkCommandBuffer commands = VK_NULL_HANDLE;
-        Fence finished; ///< signalled while nothing is running
+        Fence finished;   ///< signalled while nothing is running
+        Semaphore joined; ///< of an eye with a queue of its own: the first queue waits for it
     };
     const Device& device_;
     std::array<std::vector<Stream>, kFramesInFlight> slots_; ///< per eye

@@ -3,32 +3,48 @@
 #include "render/command_streams.h"
 #include "render/target.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace render {
 
 namespace {
 
-VkImageMemoryBarrier barrierOf(const EyeOutput& output) {
+/// A layer of somebody's image, and how it is to be left.
+struct Layer {
+    VkImage image;
+    std::uint32_t index;
+    VkImageAspectFlags aspect;
+    VkImageLayout layout;
+};
+
+Layer colourOf(const EyeOutput& output) {
+    return {output.image, output.layer, VK_IMAGE_ASPECT_COLOR_BIT, output.layout};
+}
+
+Layer depthOf(const EyeOutput& output) {
+    return {output.depth, output.depthLayer, VK_IMAGE_ASPECT_DEPTH_BIT,
+            VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL};
+}
+
+VkImageMemoryBarrier barrierOf(const Layer& layer) {
     VkImageMemoryBarrier barrier{};
     barrier.sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER;
     barrier.srcQueueFamilyIndex = barrier.dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED;
-    barrier.image = output.image;
-    barrier.subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, output.layer, 1};
+    barrier.image = layer.image;
+    barrier.subresourceRange = {layer.aspect, 0, 1, layer.index, 1};
     return barrier;
 }
 
-VkBufferImageCopy copyOf(const EyeOutput& output, int width, int height) {
+VkBufferImageCopy copyOf(const Layer& layer, int width, int height) {
     VkBufferImageCopy copy{};
-    copy.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, output.layer, 1};
+    copy.imageSubresource = {layer.aspect, 0, layer.index, 1};
     copy.imageExtent = {static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height), 1};
     return copy;
 }
 
-} // namespace
-
-void recordOutput(VkCommandBuffer commands, const EyeTarget& target, int width, int height, const EyeOutput& output) {
-    VkImageMemoryBarrier barrier = barrierOf(output);
+void recordCopy(VkCommandBuffer commands, VkBuffer from, const Layer& to, int width, int height) {
+    VkImageMemoryBarrier barrier = barrierOf(to);
     barrier.oldLayout = VK_IMAGE_LAYOUT_UNDEFINED;
     barrier.newLayout = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL;
     barrier.dstAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT;
@@ -36,31 +52,31 @@ void recordOutput(VkCommandBuffer commands, const EyeTarget& target, int width, 
     vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_ALL_COMMANDS_BIT, VK_PIPELINE_STAGE_TRANSFER_BIT, 0, 0, nullptr, 0,
                          nullptr, 1, &barrier);
 
-    const VkBufferImageCopy copy = copyOf(output, width, height);
-    vkCmdCopyBufferToImage(commands, target.colours.handle(), output.image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1,
-                           &copy);
+    const VkBufferImageCopy copy = copyOf(to, width, height);
+    vkCmdCopyBufferToImage(commands, from, to.image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &copy);
 
     barrier.oldLayout = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL;
-    barrier.newLayout = output.layout;
+    barrier.newLayout = to.layout;
     barrier.srcAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT;
     barrier.dstAccessMask = VK_ACCESS_MEMORY_READ_BIT;
     vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_PIPELINE_STAGE_ALL_COMMANDS_BIT, 0, 0, nullptr, 0,
                          nullptr, 1, &barrier);
 }
 
-scene::Image<scene::Rgb8> readOutput(const Device& device, const EyeOutput& output, int width, int height) {
+/// Four bytes a pixel.
+Buffer read(const Device& device, const Layer& layer, int width, int height) {
     const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
-    const Buffer buffer(device, pixels * 4, VK_BUFFER_USAGE_TRANSFER_DST_BIT, MemoryUse::hostReads);
-    VkImageMemoryBarrier barrier = barrierOf(output);
+    Buffer buffer(device, pixels * 4, VK_BUFFER_USAGE_TRANSFER_DST_BIT, MemoryUse::hostReads);
+    VkImageMemoryBarrier barrier = barrierOf(layer);
     runAndWait(device, [&](VkCommandBuffer commands) {
-        barrier.oldLayout = output.layout;
+        barrier.oldLayout = layer.layout;
         barrier.newLayout = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL;
         barrier.srcAccessMask = VK_ACCESS_MEMORY_WRITE_BIT;
         barrier.dstAccessMask = VK_ACCESS_TRANSFER_READ_BIT;
         vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_ALL_COMMANDS_BIT, VK_PIPELINE_STAGE_TRANSFER_BIT, 0, 0,
                              nullptr, 0, nullptr, 1, &barrier);
-        const VkBufferImageCopy copy = copyOf(output, width, height);
-        vkCmdCopyImageToBuffer(commands, output.image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, buffer.handle(), 1, &copy);
+        const VkBufferImageCopy copy = copyOf(layer, width, height);
+        vkCmdCopyImageToBuffer(commands, layer.image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, buffer.handle(), 1, &copy);
         std::swap(barrier.oldLayout, barrier.newLayout);
         barrier.srcAccessMask = VK_ACCESS_TRANSFER_READ_BIT;
         barrier.dstAccessMask = VK_ACCESS_MEMORY_READ_BIT;
@@ -69,9 +85,32 @@ scene::Image<scene::Rgb8> readOutput(const Device& device, const EyeOutput& outp
         record(commands, {VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER_WRITE_BIT, VK_PIPELINE_STAGE_HOST_BIT,
                           VK_ACCESS_HOST_READ_BIT});
     });
+    return buffer;
+}
+
+} // namespace
+
+void recordOutput(VkCommandBuffer commands, const EyeTarget& target, int width, int height, const EyeOutput& output) {
+    recordCopy(commands, target.colours.handle(), colourOf(output), width, height);
+}
+
+void recordDepthOutput(VkCommandBuffer commands, VkBuffer nearOverDepth, int width, int height,
+                       const EyeOutput& output) {
+    recordCopy(commands, nearOverDepth, depthOf(output), width, height);
+}
+
+scene::Image<float> readDepthOutput(const Device& device, const EyeOutput& output, int width, int height) {
+    const Buffer buffer = read(device, depthOf(output), width, height);
+    scene::Image<float> image(width, height);
+    std::copy_n(buffer.as<const float>().begin(), image.size(), image.pixels().begin());
+    return image;
+}
+
+scene::Image<scene::Rgb8> readOutput(const Device& device, const EyeOutput& output, int width, int height) {
+    const Buffer buffer = read(device, colourOf(output), width, height);
     scene::Image<scene::Rgb8> picture(width, height);
     const auto bytes = buffer.as<std::uint8_t>();
-    for (std::size_t i = 0; i < pixels; ++i)
+    for (std::size_t i = 0; i < picture.size(); ++i)
         picture.pixels()[i] = {bytes[4 * i], bytes[4 * i + 1], bytes[4 * i + 2]};
     return picture;
 }

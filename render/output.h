@@ -19,13 +19,23 @@ struct EyeOutput {
     VkImage image = VK_NULL_HANDLE;
     std::uint32_t layer = 0;
     VkImageLayout layout = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL; ///< in which it is left; what it held is lost
+
+    /// Of the format D32_SFLOAT, else as image; left in DEPTH_STENCIL_ATTACHMENT_OPTIMAL. It is given nearMetres / z: 1
+    /// there and nearer, 0 infinitely far and where there is nothing. Null: no depth is wanted.
+    VkImage depth = VK_NULL_HANDLE;
+    std::uint32_t depthLayer = 0;
+    float nearMetres = 0;
 };
 
 /// Copies the eye's resolved picture; the last byte of each pixel is its class.
 void recordOutput(VkCommandBuffer commands, const EyeTarget& target, int width, int height, const EyeOutput& output);
+/// Likewise output's depth, from a buffer of what stands in it (DepthPass).
+void recordDepthOutput(VkCommandBuffer commands, VkBuffer nearOverDepth, int width, int height,
+                       const EyeOutput& output);
 
 /// What such an image holds once all that was submitted to it is done; it must be made to be a transfer source as well.
 /// Waits: for pictures of single frames.
 scene::Image<scene::Rgb8> readOutput(const Device& device, const EyeOutput& output, int width, int height);
+scene::Image<float> readDepthOutput(const Device& device, const EyeOutput& output, int width, int height);
 
 } // namespace render

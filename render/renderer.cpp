@@ -42,11 +42,12 @@ Renderer::Renderer(const Device& device, const GpuScene& scene, int width, int h
                                                 makeWarpPass(device, Warp::mesh, scene.pageLayout(), eyeLayout_)},
       resolve_(makeComputePipeline(device, kResolveCode, std::array<VkDescriptorSetLayout, 1>{eyeLayout_},
                                    sizeof(ResolveConstants), std::array{resolveWorkgroupSize(device)})),
-      overlay_(makeOverlayPass(device, eyeLayout_)), streams_(device, eyes) {
+      depthPass_(makeDepthPass(device)), overlay_(makeOverlayPass(device, eyeLayout_)), streams_(device, eyes) {
     assert(width > 0 && height > 0 && eyes >= 1 && eyes <= kMaxEyes);
     for (int eye = 0; eye < eyes; ++eye)
         eyes_.push_back({makeEyeTarget(device, eyeLayout_, width, height, scene.tiles().size()),
                          {StepTimer(device), StepTimer(device)},
+                         {},
                          {},
                          {},
                          {},
@@ -164,6 +165,12 @@ void Renderer::recordCommands(Eye& eye, const Quality& quality, const EyeOutput&
 
         if (keepsNext_) recordKeeping(commands, eye, slot);
         if (output.image != VK_NULL_HANDLE) recordOutput(commands, eye.target, width_, height_, output);
+        if (output.depth != VK_NULL_HANDLE) {
+            if (!eye.depth) eye.depth = makeDepthBuffers(device_, depthPass_, eye.target);
+            recordDepth(commands, depthPass_, *eye.depth, width_, height_, output.nearMetres);
+            recordDepthOutput(commands, eye.depth->nearOverDepth.handle(), width_, height_, output);
+            timer.mark(commands, "depth");
+        }
     });
 }
 

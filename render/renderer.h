@@ -2,6 +2,7 @@
 // Scene and views to pixels: cull, warp, resolve, overlay, submit.
 
 #include "render/command_streams.h"
+#include "render/depth_pass.h"
 #include "render/device.h"
 #include "render/draw_list.h"
 #include "render/gpu_scene.h"
@@ -79,6 +80,7 @@ class Renderer {
         DrawList list;
         std::vector<StepTime> times;
         std::array<Buffer, kFramesInFlight> kept{}; ///< copies of the colours; made when first wanted
+        std::optional<DepthBuffers> depth{};        ///< made when first wanted
         OverlayList overlay;
         std::array<OverlayBuffers, kFramesInFlight> overlayBuffers{}; ///< made when first wanted
     };
@@ -95,6 +97,7 @@ class Renderer {
     DescriptorSetLayout eyeLayout_;
     std::array<WarpPass, 2> warps_; ///< by Warp
     ComputePipeline resolve_;
+    DepthPass depthPass_;
     OverlayPass overlay_;
     std::vector<Eye> eyes_;
     std::uint64_t frames_ = 0; ///< drawn so far

@@ -14,8 +14,10 @@ target_include_directories(revisit_fake_runtime SYSTEM PRIVATE ${OPENXR_INCLUDE_
 target_link_libraries(revisit_fake_runtime PRIVATE revisit_fake_volk revisit_flags ${CMAKE_DL_LIBS})
 
 # In this process, frame by frame.
-revisit_test(revisit_headset_tests LABELS gpu LINKS revisit_monado render xr
-    SOURCES xr/headset_rig.cpp xr/headset_test.cpp)
+revisit_test(revisit_headset_tests LABELS gpu LINKS revisit_monado revisit_render_scenes xr
+    SOURCES xr/fake.cpp xr/fake_headset_test.cpp xr/headset_rig.cpp xr/headset_test.cpp xr/visibility_mask_test.cpp)
+target_compile_definitions(revisit_headset_tests PRIVATE REVISIT_FAKE_RUNTIME="$<TARGET_FILE:revisit_fake_runtime>")
+add_dependencies(revisit_headset_tests revisit_fake_runtime)
 revisit_test(revisit_controllers_tests LABELS programs LINKS app revisit_monado nlohmann_json::nlohmann_json
     SOURCES app/program.cpp xr/controllers_test.cpp)
 target_compile_definitions(revisit_controllers_tests PRIVATE REVISIT_PROGRAM="$<TARGET_FILE:revisit>"

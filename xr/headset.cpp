@@ -6,6 +6,8 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
+#include <limits>
 #include <string>
 #include <thread>
 
@@ -21,6 +23,14 @@ constexpr std::chrono::milliseconds kIdle{5};
 
 /// Where a runtime knows no floor, the head is taken to start so high above it, metres.
 constexpr float kStandingHeight = 1.6f;
+
+/// XR_EXT_local_floor, which Debian's headers do not know yet.
+constexpr auto kLocalFloor = static_cast<XrReferenceSpaceType>(1000426000);
+
+FieldOfView fieldOf(const XrFovf& fov) {
+    return {static_cast<double>(fov.angleLeft), static_cast<double>(fov.angleRight), static_cast<double>(fov.angleUp),
+            static_cast<double>(fov.angleDown)};
+}
 
 scene::Pose poseOf(const XrPosef& pose) {
     const auto& [q, p] = pose;
@@ -43,15 +53,25 @@ Headset::Headset(const Runtime& runtime, const VulkanHandles& vulkan) : runtime_
     try {
         makeSession(vulkan);
         makeSpaces();
-        makeSwapchain();
+        makeSwapchains();
+        fetchMasks();
     } catch (...) {
-        if (session_ != XR_NULL_HANDLE) xrDestroySession(session_);
+        destroy();
         throw;
     }
 }
 
 Headset::~Headset() {
-    xrDestroySession(session_); // and all that was made from it
+    destroy();
+}
+
+void Headset::destroy() {
+    // Not left to the session: some runtimes keep what outlives it. That it was lost changes nothing.
+    depth_.reset();
+    colour_.reset();
+    for (XrSpace* space : {&head_, &tracking_})
+        if (*space != XR_NULL_HANDLE) xrDestroySpace(*space);
+    if (session_ != XR_NULL_HANDLE) xrDestroySession(session_);
 }
 
 void Headset::makeSession(const VulkanHandles& vulkan) {
@@ -74,41 +94,92 @@ void Headset::makeSpaces() {
     check(xrEnumerateReferenceSpaces(session_, 0, &count, nullptr), "xrEnumerateReferenceSpaces");
     std::vector<XrReferenceSpaceType> offered(count);
     check(xrEnumerateReferenceSpaces(session_, count, &count, offered.data()), "xrEnumerateReferenceSpaces");
-    const bool hasStage = std::find(offered.begin(), offered.end(), XR_REFERENCE_SPACE_TYPE_STAGE) != offered.end();
+    const auto has = [&](XrReferenceSpaceType type) {
+        return std::find(offered.begin(), offered.end(), type) != offered.end();
+    };
     XrPosef floor = kHere;
-    if (!hasStage) floor.position.y = -kStandingHeight;
-    tracking_ =
-        makeReferenceSpace(session_, hasStage ? XR_REFERENCE_SPACE_TYPE_STAGE : XR_REFERENCE_SPACE_TYPE_LOCAL, floor);
+    if (has(XR_REFERENCE_SPACE_TYPE_STAGE))
+        trackingType_ = XR_REFERENCE_SPACE_TYPE_STAGE;
+    else if (has(kLocalFloor))
+        trackingType_ = kLocalFloor;
+    else
+        floor.position.y = -kStandingHeight;
+    tracking_ = makeReferenceSpace(session_, trackingType_, floor);
     head_ = makeReferenceSpace(session_, XR_REFERENCE_SPACE_TYPE_VIEW, kHere);
 }
 
-void Headset::makeSwapchain() {
+void Headset::makeSwapchains() {
     std::uint32_t count = 0;
     check(xrEnumerateSwapchainFormats(session_, 0, &count, nullptr), "xrEnumerateSwapchainFormats");
     std::vector<std::int64_t> offered(count);
     check(xrEnumerateSwapchainFormats(session_, count, &count, offered.data()), "xrEnumerateSwapchainFormats");
+    const auto has = [&](VkFormat format) {
+        return std::find(offered.begin(), offered.end(), format) != offered.end();
+    };
     // Our pictures are coded as sRGB already, so the runtime must read them so.
-    if (std::find(offered.begin(), offered.end(), VK_FORMAT_R8G8B8A8_SRGB) == offered.end())
+    if (!has(VK_FORMAT_R8G8B8A8_SRGB))
         throw scene::Failure("the runtime takes no pictures of the format R8G8B8A8_SRGB", runtime_.name(),
                              "update the runtime, or make another one active");
-    XrSwapchainCreateInfo info{};
-    info.type = XR_TYPE_SWAPCHAIN_CREATE_INFO;
-    info.usageFlags = XR_SWAPCHAIN_USAGE_TRANSFER_DST_BIT | XR_SWAPCHAIN_USAGE_COLOR_ATTACHMENT_BIT |
-                      XR_SWAPCHAIN_USAGE_SAMPLED_BIT | XR_SWAPCHAIN_USAGE_TRANSFER_SRC_BIT;
-    info.format = VK_FORMAT_R8G8B8A8_SRGB;
-    info.sampleCount = info.faceCount = info.mipCount = 1;
-    info.arraySize = kEyes;
-    info.width = static_cast<std::uint32_t>(width());
-    info.height = static_cast<std::uint32_t>(height());
-    check(xrCreateSwapchain(session_, &info, &swapchain_), "xrCreateSwapchain");
-    check(xrEnumerateSwapchainImages(swapchain_, 0, &count, nullptr), "xrEnumerateSwapchainImages");
-    std::vector<XrSwapchainImageVulkan2KHR> images(count,
-                                                   {XR_TYPE_SWAPCHAIN_IMAGE_VULKAN2_KHR, nullptr, VK_NULL_HANDLE});
-    check(xrEnumerateSwapchainImages(swapchain_, count, &count,
-                                     reinterpret_cast<XrSwapchainImageBaseHeader*>(images.data())),
-          "xrEnumerateSwapchainImages");
-    for (const XrSwapchainImageVulkan2KHR& image : images)
-        images_.push_back(image.image);
+    constexpr XrSwapchainUsageFlags kCopied = XR_SWAPCHAIN_USAGE_TRANSFER_DST_BIT | XR_SWAPCHAIN_USAGE_TRANSFER_SRC_BIT;
+    colour_ = std::make_unique<Swapchain>(
+        session_, VK_FORMAT_R8G8B8A8_SRGB,
+        kCopied | XR_SWAPCHAIN_USAGE_COLOR_ATTACHMENT_BIT | XR_SWAPCHAIN_USAGE_SAMPLED_BIT, width(), height());
+    if (!runtime_.has(XR_KHR_COMPOSITION_LAYER_DEPTH_EXTENSION_NAME) || !has(VK_FORMAT_D32_SFLOAT)) return;
+    try {
+        depth_ =
+            std::make_unique<Swapchain>(session_, VK_FORMAT_D32_SFLOAT,
+                                        kCopied | XR_SWAPCHAIN_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT, width(), height());
+    } catch (const scene::Failure&) {
+        // It offers depth and takes none that can be written by copying: a walk is one without.
+    }
+}
+
+void Headset::fetchMasks() {
+    if (!runtime_.has(XR_KHR_VISIBILITY_MASK_EXTENSION_NAME)) return;
+    const auto get = runtime_.load<PFN_xrGetVisibilityMaskKHR>("xrGetVisibilityMaskKHR");
+    for (std::uint32_t eye = 0; eye < kEyes; ++eye) {
+        XrVisibilityMaskKHR mask{};
+        mask.type = XR_TYPE_VISIBILITY_MASK_KHR;
+        const auto ask = [&] {
+            check(get(session_, kStereo, eye, XR_VISIBILITY_MASK_TYPE_HIDDEN_TRIANGLE_MESH_KHR, &mask),
+                  "xrGetVisibilityMaskKHR");
+        };
+        ask();
+        std::vector<XrVector2f> vertices(mask.vertexCountOutput);
+        masks_[eye].indices.resize(mask.indexCountOutput);
+        mask.vertexCapacityInput = mask.vertexCountOutput, mask.vertices = vertices.data();
+        mask.indexCapacityInput = mask.indexCountOutput, mask.indices = masks_[eye].indices.data();
+        if (!vertices.empty()) ask();
+        masks_[eye].vertices.clear();
+        for (const XrVector2f& vertex : vertices)
+            masks_[eye].vertices.emplace_back(vertex.x, vertex.y);
+    }
+}
+
+double Headset::hiddenShareOf(std::size_t eye) const {
+    const FieldOfView field = fieldOf(views_[eye].fov);
+    return field.right > field.left && field.up > field.down ? hiddenShare(masks_[eye], field) : 0;
+}
+
+std::optional<double> Headset::askForRate(double framesPerSecond) {
+    if (!runtime_.has(XR_FB_DISPLAY_REFRESH_RATE_EXTENSION_NAME)) return std::nullopt;
+    try {
+        const auto list = runtime_.load<PFN_xrEnumerateDisplayRefreshRatesFB>("xrEnumerateDisplayRefreshRatesFB");
+        std::uint32_t count = 0;
+        check(list(session_, 0, &count, nullptr), "xrEnumerateDisplayRefreshRatesFB");
+        std::vector<float> offered(count);
+        check(list(session_, count, &count, offered.data()), "xrEnumerateDisplayRefreshRatesFB");
+        const auto distance = [&](float rate) { return std::abs(static_cast<double>(rate) - framesPerSecond); };
+        const auto nearest = std::min_element(offered.begin(), offered.end(),
+                                              [&](float a, float b) { return distance(a) < distance(b); });
+        if (nearest == offered.end()) return std::nullopt;
+        const auto request = runtime_.load<PFN_xrRequestDisplayRefreshRateFB>("xrRequestDisplayRefreshRateFB");
+        if (XR_FAILED(request(session_, *nearest))) return std::nullopt;
+        return static_cast<double>(*nearest);
+    } catch (const Lost&) {
+        isLost_ = true; // the next begin says so
+        return std::nullopt;
+    }
 }
 
 bool Headset::follow(XrSessionState state) {
@@ -134,16 +205,28 @@ bool Headset::handleEvents() {
         const XrResult result = xrPollEvent(runtime_.instance(), &event);
         if (result == XR_EVENT_UNAVAILABLE) return true;
         check(result, "xrPollEvent");
-        if (event.type == XR_TYPE_EVENT_DATA_INSTANCE_LOSS_PENDING) throw Lost("the runtime is going away");
-        if (event.type != XR_TYPE_EVENT_DATA_SESSION_STATE_CHANGED) continue;
-        const auto& change = *reinterpret_cast<const XrEventDataSessionStateChanged*>(&event);
-        if (change.session == session_ && !follow(change.state)) return false;
+        if (!handle(event)) return false;
     }
+}
+
+bool Headset::handle(const XrEventDataBuffer& event) {
+    if (event.type == XR_TYPE_EVENT_DATA_INSTANCE_LOSS_PENDING) throw Lost("the runtime is going away");
+    if (event.type == XR_TYPE_EVENT_DATA_VISIBILITY_MASK_CHANGED_KHR) fetchMasks();
+    if (event.type == XR_TYPE_EVENT_DATA_REFERENCE_SPACE_CHANGE_PENDING) {
+        const auto& change = reinterpret_cast<const XrEventDataReferenceSpaceChangePending&>(event);
+        if (change.session == session_ && change.referenceSpaceType == trackingType_) recentredAt_ = change.changeTime;
+    }
+    if (event.type == XR_TYPE_EVENT_DATA_SESSION_STATE_CHANGED) {
+        const auto& change = reinterpret_cast<const XrEventDataSessionStateChanged&>(event);
+        return change.session != session_ || follow(change.state);
+    }
+    return true;
 }
 
 Frame Headset::begin() {
     Frame frame;
     try {
+        if (isLost_) throw Lost("the runtime was lost before");
         return beginFrame();
     } catch (const Lost&) {
         isLost_ = true;
@@ -172,18 +255,19 @@ Frame Headset::beginFrame() {
         endFrame(false);
         return frame;
     }
-    std::uint32_t index = 0;
-    check(xrAcquireSwapchainImage(swapchain_, nullptr, &index), "xrAcquireSwapchainImage");
-    XrSwapchainImageWaitInfo wait{};
-    wait.type = XR_TYPE_SWAPCHAIN_IMAGE_WAIT_INFO;
-    wait.timeout = XR_INFINITE_DURATION;
-    check(xrWaitSwapchainImage(swapchain_, &wait), "xrWaitSwapchainImage");
-    // After all that may block, so that the poses are as fresh as can be.
+    colour_->acquire();
+    if (depth_ != nullptr) depth_->acquire();
     locate(frame);
     frame.kind = Frame::Kind::draw;
     frame.seconds = static_cast<double>(displayTime_ - firstTime_) * 1e-9;
-    for (std::uint32_t eye = 0; eye < kEyes; ++eye)
-        frame.images[eye] = {images_[index], eye};
+    frame.wasRecentred = recentredAt_ && *recentredAt_ <= displayTime_;
+    if (frame.wasRecentred) recentredAt_.reset();
+    for (std::size_t eye = 0; eye < kEyes; ++eye) {
+        frame.images[eye] = {colour_->image(eye), colour_->layer(eye), VK_NULL_HANDLE, 0};
+        if (depth_ == nullptr) continue;
+        frame.images[eye].depth = depth_->image(eye);
+        frame.images[eye].depthLayer = depth_->layer(eye);
+    }
     return frame;
 }
 
@@ -203,45 +287,74 @@ void Headset::locate(Frame& frame) {
     XrSpaceLocation head{};
     head.type = XR_TYPE_SPACE_LOCATION;
     check(xrLocateSpace(head_, tracking_, displayTime_, &head), "xrLocateSpace");
+    keep(state, views, head);
 
-    constexpr XrViewStateFlags kValid = XR_VIEW_STATE_POSITION_VALID_BIT | XR_VIEW_STATE_ORIENTATION_VALID_BIT;
-    constexpr XrSpaceLocationFlags kHeadValid =
-        XR_SPACE_LOCATION_POSITION_VALID_BIT | XR_SPACE_LOCATION_ORIENTATION_VALID_BIT;
-    const bool isKnown = (state.viewStateFlags & kValid) == kValid && (head.locationFlags & kHeadValid) == kHeadValid;
-    // Nothing was ever known: straight ahead, so that there is a picture at all.
-    if (isKnown || !wasEverTracked_) {
+    frame.isTracked = isTracked_;
+    frame.trackingFromHead = poseOf(trackingFromHead_);
+    for (std::size_t eye = 0; eye < kEyes; ++eye)
+        frame.eyes[eye] = {cameraOf(fieldOf(views_[eye].fov), width(), height()),
+                           poseOf(views_[eye].pose) * scene::headFromCamera()};
+}
+
+void Headset::keep(const XrViewState& state, const std::array<XrView, kEyes>& views, const XrSpaceLocation& head) {
+    const bool isPlaced = (state.viewStateFlags & XR_VIEW_STATE_POSITION_VALID_BIT) != 0 &&
+                          (head.locationFlags & XR_SPACE_LOCATION_POSITION_VALID_BIT) != 0;
+    const bool isTurned = (state.viewStateFlags & XR_VIEW_STATE_ORIENTATION_VALID_BIT) != 0 &&
+                          (head.locationFlags & XR_SPACE_LOCATION_ORIENTATION_VALID_BIT) != 0;
+    isTracked_ = isPlaced && isTurned;
+    if (!wasEverTracked_) {
+        // Nothing was ever known: straight ahead, so that there is a picture at all.
         views_ = views;
+        trackingFromHead_ = {kHere.orientation, {0, kStandingHeight, 0}};
         for (XrView& view : views_)
-            if (!isKnown) view.pose = {kHere.orientation, {0, kStandingHeight, 0}};
-        lastKnown_.trackingFromHead = isKnown ? poseOf(head.pose) : scene::Pose{glm::dmat3(1), {0, kStandingHeight, 0}};
-        wasEverTracked_ = wasEverTracked_ || isKnown;
+            view.pose = trackingFromHead_;
     }
-    frame.isTracked = isKnown;
-    frame.trackingFromHead = lastKnown_.trackingFromHead;
-    for (std::size_t eye = 0; eye < kEyes; ++eye) {
-        const XrFovf& fov = views_[eye].fov;
-        const FieldOfView field{static_cast<double>(fov.angleLeft), static_cast<double>(fov.angleRight),
-                                static_cast<double>(fov.angleUp), static_cast<double>(fov.angleDown)};
-        frame.eyes[eye] = {cameraOf(field, width(), height()), poseOf(views_[eye].pose) * scene::headFromCamera()};
+    wasEverTracked_ = wasEverTracked_ || isTracked_;
+    if (isTracked_) {
+        views_ = views;
+        trackingFromHead_ = head.pose;
+    } else if (isTurned) {
+        // Where it is, is lost, but not where it looks: a picture that does not turn with the head makes one ill. The
+        // eyes turn about the head's last place; they keep their distance from it.
+        const scene::Pose last = poseOf(trackingFromHead_);
+        trackingFromHead_.orientation = head.pose.orientation;
+        const scene::Pose turned = poseOf(trackingFromHead_) * inverse(last);
+        for (std::size_t eye = 0; eye < kEyes; ++eye) {
+            const glm::dvec3 place = turned * poseOf(views_[eye].pose).translation;
+            views_[eye].pose = {
+                views[eye].pose.orientation,
+                {static_cast<float>(place.x), static_cast<float>(place.y), static_cast<float>(place.z)}};
+        }
     }
 }
 
 void Headset::end(const Frame&) {
     try {
-        check(xrReleaseSwapchainImage(swapchain_, nullptr), "xrReleaseSwapchainImage");
+        colour_->release();
+        if (depth_ != nullptr) depth_->release();
         endFrame(true);
     } catch (const Lost&) {
-        isLost_ = true; // the next begin meets the same
+        isLost_ = true; // the next begin says so
     }
 }
 
 void Headset::endFrame(bool withLayer) {
     std::array<XrCompositionLayerProjectionView, kEyes> views{};
+    std::array<XrCompositionLayerDepthInfoKHR, kEyes> depths{};
     for (std::uint32_t eye = 0; eye < kEyes; ++eye) {
         views[eye].type = XR_TYPE_COMPOSITION_LAYER_PROJECTION_VIEW;
         views[eye].pose = views_[eye].pose;
         views[eye].fov = views_[eye].fov;
-        views[eye].subImage = {swapchain_, {{0, 0}, {width(), height()}}, eye};
+        views[eye].subImage = colour_->subImage(eye);
+        if (depth_ == nullptr) continue;
+        // 0 in the image is infinitely far, 1 is near.
+        depths[eye].type = XR_TYPE_COMPOSITION_LAYER_DEPTH_INFO_KHR;
+        depths[eye].subImage = depth_->subImage(eye);
+        depths[eye].minDepth = 0;
+        depths[eye].maxDepth = 1;
+        depths[eye].nearZ = std::numeric_limits<float>::infinity(); // of minDepth
+        depths[eye].farZ = static_cast<float>(kDepthNearMetres);    // of maxDepth
+        views[eye].next = &depths[eye];
     }
     XrCompositionLayerProjection layer{};
     layer.type = XR_TYPE_COMPOSITION_LAYER_PROJECTION;

@@ -5,8 +5,12 @@
 //                any of these -> loss pending, or an error that says lost
 
 #include "xr/runtime.h"
+#include "xr/swapchain.h"
 #include "xr/view_source.h"
+#include "xr/visibility_mask.h"
 
+#include <memory>
+#include <optional>
 #include <vector>
 
 namespace xr {
@@ -27,7 +31,9 @@ class Headset final : public ViewSource {
 
     int width() const override { return runtime_.recommendedWidth(); }
     int height() const override { return runtime_.recommendedHeight(); }
-    /// Blocks in xrWaitFrame, which paces the frames; while the session does not run, for some milliseconds.
+    /// Blocks in xrWaitFrame, which paces the frames; while the session does not run, for some milliseconds. The poses
+    /// are asked for last, after all that may block: pictures must be drawn for the poses they are handed over with, so
+    /// later would be too late.
     Frame begin() override;
     void end(const Frame& frame) override;
 
@@ -38,30 +44,45 @@ class Headset final : public ViewSource {
     /// Whether the session runs: somebody wears it, or soon will.
     bool isRunning() const { return isRunning_; }
 
+    /// Asks for the offered rate that is nearest to so many frames a second. The rate that was asked for; none if the
+    /// runtime offers no choice or refuses.
+    std::optional<double> askForRate(double framesPerSecond);
+    bool takesDepth() const { return depth_ != nullptr; }
+    /// The share of the eye's picture that no lens shows, as the runtime says; 0 where it says nothing.
+    double hiddenShareOf(std::size_t eye) const;
+
     /// Asks the runtime to end the session; Frame::Kind::end follows.
     void requestExit();
 
   private:
     void makeSession(const VulkanHandles& vulkan);
     void makeSpaces();
-    void makeSwapchain();
+    void makeSwapchains();
+    void fetchMasks();
+    void destroy();
     /// Nothing to draw yet, or the frame.
     Frame beginFrame();
     /// Follows the session's state. False when it is over.
     bool handleEvents();
+    bool handle(const XrEventDataBuffer& event);
     bool follow(XrSessionState state);
     void endFrame(bool withLayer);
     void locate(Frame& frame);
+    /// What is not known stays as it was last.
+    void keep(const XrViewState& state, const std::array<XrView, kEyes>& views, const XrSpaceLocation& head);
 
     const Runtime& runtime_;
     XrSession session_ = XR_NULL_HANDLE;
+    XrReferenceSpaceType trackingType_ = XR_REFERENCE_SPACE_TYPE_LOCAL;
     XrSpace tracking_ = XR_NULL_HANDLE, head_ = XR_NULL_HANDLE;
-    XrSwapchain swapchain_ = XR_NULL_HANDLE; ///< one layer for each eye
-    std::vector<VkImage> images_;
+    std::unique_ptr<Swapchain> colour_, depth_; ///< depth_ is null where the runtime does not take any
+    std::array<VisibilityMask, kEyes> masks_;
     bool isRunning_ = false, isLost_ = false;
     XrTime displayTime_ = 0, firstTime_ = 0;
+    std::optional<XrTime> recentredAt_; ///< from when on the tracking space is another
     std::array<XrView, kEyes> views_{}; ///< located last
-    Frame lastKnown_;
+    XrPosef trackingFromHead_{};        ///< likewise
+    bool isTracked_ = false;
     bool wasEverTracked_ = false;
 };
 

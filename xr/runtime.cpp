@@ -16,7 +16,11 @@ constexpr const char* kGetARuntime =
 
 /// Wanted where offered; the first is needed.
 constexpr const char* kExtensions[] = {XR_KHR_VULKAN_ENABLE2_EXTENSION_NAME,
-                                       "XR_EXT_hand_interaction"}; // newer than Debian's headers
+                                       XR_KHR_COMPOSITION_LAYER_DEPTH_EXTENSION_NAME,
+                                       XR_KHR_VISIBILITY_MASK_EXTENSION_NAME,
+                                       XR_FB_DISPLAY_REFRESH_RATE_EXTENSION_NAME,
+                                       "XR_EXT_hand_interaction", // newer than Debian's headers
+                                       "XR_EXT_local_floor"};
 
 std::vector<XrExtensionProperties> listExtensions() {
     std::uint32_t count = 0;
@@ -117,11 +121,10 @@ void Runtime::findSystem() {
           "xrGetVulkanGraphicsRequirements2KHR");
 }
 
-template <class Function>
-Function Runtime::load(const char* name) const {
+PFN_xrVoidFunction Runtime::load(const char* name) const {
     PFN_xrVoidFunction function = nullptr;
     check(xrGetInstanceProcAddr(instance_, name, &function), name);
-    return reinterpret_cast<Function>(function);
+    return function;
 }
 
 VkResult Runtime::makeVulkanInstance(PFN_vkGetInstanceProcAddr loadVulkan, const VkInstanceCreateInfo& info,

@@ -40,11 +40,16 @@ class Runtime {
     VkResult makeVulkanDevice(PFN_vkGetInstanceProcAddr load, VkPhysicalDevice physical, const VkDeviceCreateInfo& info,
                               VkDevice& made) const;
 
+    /// A function of an extension that it has.
+    template <class Function>
+    Function load(const char* name) const {
+        return reinterpret_cast<Function>(load(name));
+    }
+
   private:
+    PFN_xrVoidFunction load(const char* name) const;
     void makeInstance();
     void findSystem();
-    template <class Function>
-    Function load(const char* name) const;
 
     XrInstance instance_ = XR_NULL_HANDLE;
     XrSystemId system_ = XR_NULL_SYSTEM_ID;

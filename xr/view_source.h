@@ -14,10 +14,17 @@ namespace xr {
 
 inline constexpr std::size_t kEyes = 2;
 
-/// A place in an image that the eye's picture is to be copied to; image is null where nobody wants one.
+/// Depth goes to runtimes as near / z: 1 there and nearer, 0 infinitely far (reversed infinite depth). Metres of the
+/// tracking space; nearer than this nobody's eyes meet.
+inline constexpr double kDepthNearMetres = 0.01;
+
+/// A place in an image that the eye's picture is to be copied to; image is null where nobody wants one. So is depth, of
+/// the format D32_SFLOAT: runtimes draw better in between two frames if they know it.
 struct EyeImage {
     VkImage image = VK_NULL_HANDLE;
     std::uint32_t layer = 0;
+    VkImage depth = VK_NULL_HANDLE;
+    std::uint32_t depthLayer = 0;
 };
 
 struct Frame {
@@ -32,7 +39,8 @@ struct Frame {
     scene::Pose trackingFromHead;
     std::array<scene::View, kEyes> eyes; ///< worldFromEye is trackingFromEye here; left, right
     std::array<EyeImage, kEyes> images{};
-    bool isTracked = true; ///< false: the poses are the last ones known
+    bool isTracked = true;     ///< false: the poses are the last ones known, or in part
+    bool wasRecentred = false; ///< the wearer moved the tracking space: the poses jump
 };
 
 class ViewSource {

@@ -14,11 +14,18 @@ class Fake {
     Fake();
 
     std::filesystem::path manifest() const { return folder_ / "fake.json"; }
+    /// From here on this process finds it and nothing else; tell() says what it is told from then on.
+    void enter() const;
+    static void tell(const std::string& words);
+    /// Its objects in this process that were made and not destroyed.
+    int alive() const;
+
     /// The command that runs another where this is the runtime, it is told those words, and there is no display.
     std::vector<std::string> around(const std::string& words, const std::vector<std::string>& command) const;
 
   private:
     scene::ScratchFolder folder_;
+    mutable void* library_ = nullptr; ///< kept loaded once entered: it counts
 };
 
 } // namespace xr

@@ -301,6 +301,7 @@ XrResult xrPollEvent(XrInstance, XrEventDataBuffer* event) {
         auto& change = *reinterpret_cast<XrEventDataReferenceSpaceChangePending*>(event);
         change = {};
         change.type = XR_TYPE_EVENT_DATA_REFERENCE_SPACE_CHANGE_PENDING;
+        change.session = state.session;
         change.referenceSpaceType = XR_REFERENCE_SPACE_TYPE_LOCAL;
         change.changeTime = state.time;
         return XR_SUCCESS;

@@ -1,5 +1,13 @@
 #include "tests/xr/headset_rig.h"
 
+#include "render/renderer.h"
+#include "tests/render/test_scenes.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
 #include <cstdlib>
 
 #include <unistd.h>
@@ -26,6 +34,40 @@ HeadsetRig::HeadsetRig() : runtime_(std::make_unique<Runtime>()) {
     device_ = std::make_unique<render::Device>(maker);
     headset_ = std::make_unique<Headset>(
         *runtime_, VulkanHandles{device_->instance(), device_->physical(), *device_, device_->queueFamily()});
+}
+
+void HeadsetRig::drawAndCheck(const Frame& frame) {
+    constexpr int kFaceSize = 64;
+    const render::CutScene room = render::roomFromWithin(kFaceSize);
+    const int width = headset_->width(), height = headset_->height();
+    const auto blocks = room.blocks();
+    const render::GpuScene scene(*device_, blocks);
+    render::Renderer renderer(*device_, scene, width, height, static_cast<int>(kEyes));
+    std::array<render::EyeOutput, kEyes> outputs;
+    for (std::size_t eye = 0; eye < kEyes; ++eye) {
+        const EyeImage& image = frame.images[eye];
+        outputs[eye].image = image.image, outputs[eye].layer = image.layer;
+        outputs[eye].depth = image.depth, outputs[eye].depthLayer = image.depthLayer;
+        outputs[eye].nearMetres = static_cast<float>(kDepthNearMetres);
+    }
+    renderer.draw(frame.eyes, {}, outputs);
+    const std::vector<render::EyeImage> own = renderer.readBack();
+    EXPECT_NE(own[0].colour, own[1].colour) << "each eye has its own picture";
+    for (std::size_t eye = 0; eye < kEyes; ++eye) {
+        EXPECT_EQ(render::readOutput(*device_, outputs[eye], width, height), own[eye].colour) << "eye " << eye;
+        EXPECT_EQ(outputs[eye].depth != VK_NULL_HANDLE, headset_->takesDepth());
+        if (!headset_->takesDepth()) continue;
+        const scene::Image<float> given = render::readDepthOutput(*device_, outputs[eye], width, height);
+        int there = 0, wrong = 0;
+        for (std::size_t i = 0; i < given.size(); ++i) {
+            const double z = static_cast<double>(own[eye].depthMetres.pixels()[i]);
+            const double wanted = z > 0 ? std::min(kDepthNearMetres / z, 1.0) : 0;
+            if (z > 0) ++there;
+            if (std::abs(static_cast<double>(given.pixels()[i]) - wanted) > 1e-6 * wanted) ++wrong;
+        }
+        EXPECT_GT(there, width * height / 4) << "eye " << eye;
+        EXPECT_EQ(wrong, 0) << "eye " << eye << ": not near / z";
+    }
 }
 
 std::optional<Frame> HeadsetRig::nextDrawn() {

@@ -20,8 +20,12 @@ class HeadsetRig {
     HeadsetRig();
 
     Runtime& runtime() { return *runtime_; }
-    render::Device& device() { return *device_; }
+    const render::Device& device() const { return *device_; }
     Headset& headset() { return *headset_; }
+
+    /// Draws a scene for the frame's eyes into the frame's images; checks there that colours are the eyes' own, and
+    /// depth theirs as near / z, where the runtime takes depth.
+    void drawAndCheck(const Frame& frame);
 
     /// Skipped frames are waited for; none if the session ends or is lost before.
     std::optional<Frame> nextDrawn();

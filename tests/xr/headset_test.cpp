@@ -37,9 +37,14 @@ class HeadsetIn : public testing::TestWithParam<Variant> {
   protected:
     void SetUp() override {
         if (!isMonadoThere()) GTEST_SKIP() << "Monado is missing";
-        monado_.emplace(GetParam(), MonadoOptions{.hertz = 200, .width = 96, .height = 64});
+        monado_.emplace(GetParam(), MonadoOptions{.hertz = 200, .width = 96, .height = 64, .validation = true});
         if (GetParam() == Variant::service) monado_->start();
         enter(*monado_);
+    }
+
+    static void expectSilence(const HeadsetRig& rig) {
+        for (const std::string& message : rig.device().validationMessages())
+            ADD_FAILURE() << message;
     }
 
     std::optional<Monado> monado_;
@@ -58,7 +63,34 @@ TEST_P(HeadsetIn, TheHeadIsWhereItWasSent) {
         const glm::dvec3 apart = frame->eyes[1].worldFromEye.translation - frame->eyes[0].worldFromEye.translation;
         EXPECT_LE(glm::length(apart - 0.063 * frame->trackingFromHead.rotation[0]), 1e-6) << "63 mm to the right";
     }
-    EXPECT_TRUE(rig.device().validationMessages().empty()) << rig.device().validationMessages()[0];
+    expectSilence(rig);
+}
+
+TEST_P(HeadsetIn, IsGivenColourAndDepth) {
+    {
+        HeadsetRig rig;
+        EXPECT_TRUE(rig.headset().takesDepth());
+        for (int i = 0; i < 4; ++i) {
+            const std::optional<Frame> frame = rig.nextDrawn();
+            ASSERT_TRUE(frame);
+            rig.drawAndCheck(*frame);
+            rig.headset().end(*frame);
+        }
+        expectSilence(rig);
+    }
+    EXPECT_EQ(monado_->validationMessages(), "");
+}
+
+TEST_P(HeadsetIn, SaysWhatNoLensShowsAndTakesTheNearestRate) {
+    HeadsetRig rig;
+    EXPECT_EQ(rig.headset().askForRate(90), 200) << "the only one it has";
+    const std::optional<Frame> frame = rig.nextDrawn();
+    ASSERT_TRUE(frame);
+    rig.headset().end(*frame);
+    for (std::size_t eye = 0; eye < kEyes; ++eye) {
+        EXPECT_GT(rig.headset().hiddenShareOf(eye), 0.01);
+        EXPECT_LT(rig.headset().hiddenShareOf(eye), 0.5);
+    }
 }
 
 INSTANTIATE_TEST_SUITE_P(Monado, HeadsetIn, testing::Values(Variant::inproc, Variant::service),
