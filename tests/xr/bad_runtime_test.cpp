@@ -59,10 +59,12 @@ TEST_F(BadRuntime, NoRuntimeIsSaidInOneLine) {
 
 TEST_F(BadRuntime, WhatRefusesNothingIsWalkedIn) {
     const app::Outcome walked = app::run(fake_.around("", {REVISIT_PROGRAM, "walk", room_.scene(), "--frames", "20",
-                                                           "--out", (scratch_ / "out").string()}),
+                                                           "--rate", "72", "--out", (scratch_ / "out").string()}),
                                          scratch_.path());
     EXPECT_EQ(walked.status, 0) << walked.output;
     EXPECT_NE(walked.output.find("walking: Fake, Eyes"), std::string::npos) << walked.output;
+    EXPECT_NE(walked.output.find("the headset keeps its own rate: it refuses 72 Hz"), std::string::npos)
+        << walked.output;
 }
 
 TEST_F(BadRuntime, PathsWhoseTimeRunsBackwardsAreRefused) {
