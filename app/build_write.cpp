@@ -50,6 +50,7 @@ json describeOptions(const BuildOptions& o) {
             {"same_surface", o.skins.comparison.sameSurface},
             {"cull_preference", o.redundancy.preference},
             {"cull_baseline_share", o.redundancy.baselineShare},
+            {"cull_patch", o.redundancy.minPatchShare},
             {"guess_radius", o.guesses.radius},
             {"fusion_angle_rad", o.fusion.angleRadians},
             {"fusion_colour_step", o.fusion.colourStep}};

@@ -58,6 +58,11 @@ void addBuild(CLI::App& program, app::BuildOptions& options, std::string& memory
         ->check(CLI::Range(0.0, 10.0))
         ->capture_default_str();
     build
+        ->add_option("--cull-patch", options.redundancy.minPatchShare,
+                     "a tile is kept again, whole, where at least this share of it is wanted")
+        ->check(CLI::Range(0.0, 1.0))
+        ->capture_default_str();
+    build
         ->add_option("--same-surface", options.skins.comparison.sameSurface,
                      "relative difference in depth up to which two images mean the same surface")
         ->check(CLI::Range(1e-5, 0.5))
