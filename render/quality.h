@@ -24,6 +24,12 @@ struct Quality {
     /// Which of several samples of one surface is shown; directional tiles are drawn only with it. As it stands here:
     /// the nearest in plain z order.
     scene::PreferenceOptions preference{.nearBaseline = 0};
+
+    /// Where no image ever looked is shown as unseen, in a scene that knows (GpuCoverage). False: as emptiness.
+    bool showUnseen = true;
+
+    /// An eye that stands in unseen space itself looks through as much of it, metres of depth; 0: through none.
+    double unseenPocketMetres = 1;
 };
 
 } // namespace render

@@ -36,13 +36,15 @@ std::uint32_t resolveWorkgroupSize(const Device& device) {
 
 } // namespace
 
-Renderer::Renderer(const Device& device, const GpuScene& scene, int width, int height, int eyes)
+Renderer::Renderer(const Device& device, const GpuScene& scene, int width, int height, int eyes,
+                   const GpuCoverage* coverage)
     : device_(device), scene_(scene), width_(width), height_(height),
       eyeLayout_(makeEyeLayout(device)), warps_{makeWarpPass(device, Warp::points, scene.pageLayout(), eyeLayout_),
                                                 makeWarpPass(device, Warp::mesh, scene.pageLayout(), eyeLayout_)},
       resolve_(makeComputePipeline(device, kResolveCode, std::array<VkDescriptorSetLayout, 1>{eyeLayout_},
                                    sizeof(ResolveConstants), std::array{resolveWorkgroupSize(device)})),
-      depthPass_(makeDepthPass(device)), overlay_(makeOverlayPass(device, eyeLayout_)), streams_(device, eyes) {
+      depthPass_(makeDepthPass(device)), overlay_(makeOverlayPass(device, eyeLayout_)), coverage_(coverage),
+      unseen_(coverage != nullptr ? makeUnseenPipeline(device, *coverage, eyeLayout_) : ComputePipeline{}), streams_(device, eyes) {
     assert(width > 0 && height > 0 && eyes >= 1 && eyes <= kMaxEyes);
     for (int eye = 0; eye < eyes; ++eye)
         eyes_.push_back({makeEyeTarget(device, eyeLayout_, width, height, scene.tiles().size()),
@@ -75,7 +77,7 @@ FrameStats Renderer::draw(std::span<const scene::View> views, const Quality& qua
         const int index = static_cast<int>(i);
         prepare(eyes_[i], views[i], quality, slot, index);
         prepareOverlay(eyes_[i], views[i], overlay != nullptr ? *overlay : Overlay{}, slot, index);
-        recordCommands(eyes_[i], quality, outputs.empty() ? EyeOutput{} : outputs[i], slot, index);
+        recordCommands(eyes_[i], views[i], quality, outputs.empty() ? EyeOutput{} : outputs[i], slot, index);
     });
     keptFrames_[slot].reset();
     if (keepsNext_) keptFrames_[slot] = frames_;
@@ -135,7 +137,8 @@ void Renderer::prepareOverlay(Eye& eye, const scene::View& view, const Overlay& 
     });
 }
 
-void Renderer::recordCommands(Eye& eye, const Quality& quality, const EyeOutput& output, std::size_t slot, int index) {
+void Renderer::recordCommands(Eye& eye, const scene::View& view, const Quality& quality, const EyeOutput& output,
+                              std::size_t slot, int index) {
     timed(eye.times, "record", index, [&] {
         const VkCommandBuffer commands = streams_.begin(slot, index);
         const VkDescriptorSet eyeSet = eye.target.sets[slot];
@@ -155,6 +158,13 @@ void Renderer::recordCommands(Eye& eye, const Quality& quality, const EyeOutput&
         recordResolve(commands, eyeSet);
         record(commands, kAfterResolve);
         timer.mark(commands, "resolve");
+
+        if (coverage_ != nullptr && quality.showUnseen) {
+            record(commands, kBetweenPictures);
+            recordUnseen(commands, unseen_, *coverage_, eyeSet, view, quality);
+            record(commands, kAfterResolve);
+            timer.mark(commands, "unseen");
+        }
 
         if (!eye.overlay.bins.empty()) {
             record(commands, kBetweenPictures);

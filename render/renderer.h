@@ -1,5 +1,5 @@
 #pragma once
-// Scene and views to pixels: cull, warp, resolve, overlay, submit.
+// Scene and views to pixels: cull, warp, resolve, unseen, overlay, submit.
 
 #include "render/command_streams.h"
 #include "render/depth_pass.h"
@@ -8,6 +8,7 @@
 #include "render/gpu_scene.h"
 #include "render/output.h"
 #include "render/overlay_pass.h"
+#include "render/post/unseen.h"
 #include "render/quality.h"
 #include "render/readback.h"
 #include "render/target.h"
@@ -32,7 +33,7 @@ struct EyeCounts {
 struct FrameStats {
     std::uint64_t frame = 0;
     std::vector<StepTime> cpu; ///< wait, cull, list, overlay, record, submit
-    std::vector<StepTime> gpu; ///< clear, warp, resolve, overlay; of the frame gpuFrame, empty while none has finished
+    std::vector<StepTime> gpu; ///< clear, warp, resolve, unseen, overlay; of the frame gpuFrame, empty while none has finished
     std::uint64_t gpuFrame = 0;
     std::array<EyeCounts, kMaxEyes> eyes{};
 };
@@ -42,7 +43,9 @@ struct FrameStats {
 class Renderer {
   public:
     /// Throws scene::Failure if the device cannot hold or see images of that size.
-    Renderer(const Device& device, const GpuScene& scene, int width, int height, int eyes);
+    /// coverage: what was observed, if that is known; must outlive the renderer, too.
+    Renderer(const Device& device, const GpuScene& scene, int width, int height, int eyes,
+             const GpuCoverage* coverage = nullptr);
 
     /// Sends a frame to the device. Waits only for the frame two before. The cameras must have the renderer's
     /// size. outputs: where the finished eyes are copied to, one each, or none.
@@ -86,7 +89,8 @@ class Renderer {
     };
     void prepare(Eye& eye, const scene::View& view, const Quality& quality, std::size_t slot, int index);
     void prepareOverlay(Eye& eye, const scene::View& view, const Overlay& overlay, std::size_t slot, int index);
-    void recordCommands(Eye& eye, const Quality& quality, const EyeOutput& output, std::size_t slot, int index);
+    void recordCommands(Eye& eye, const scene::View& view, const Quality& quality, const EyeOutput& output,
+                        std::size_t slot, int index);
     void recordKeeping(VkCommandBuffer commands, Eye& eye, std::size_t slot) const;
     void recordResolve(VkCommandBuffer commands, VkDescriptorSet eyeSet) const;
     void readTimes(std::size_t slot, std::vector<StepTime>& times) const;
@@ -99,6 +103,8 @@ class Renderer {
     ComputePipeline resolve_;
     DepthPass depthPass_;
     OverlayPass overlay_;
+    const GpuCoverage* coverage_;
+    ComputePipeline unseen_; ///< where there is coverage
     std::vector<Eye> eyes_;
     std::uint64_t frames_ = 0; ///< drawn so far
     bool keepsNext_ = false;
