@@ -1,6 +1,7 @@
 #pragma once
 // Every knob that trades speed for accuracy while drawing.
 
+#include "render/shaders/shared/hole_fill.h"
 #include "scene/preference.h"
 
 namespace render {
@@ -24,6 +25,10 @@ struct Quality {
     /// Which of several samples of one surface is shown; directional tiles are drawn only with it. As it stands here:
     /// the nearest in plain z order.
     scene::PreferenceOptions preference{.nearBaseline = 0};
+
+    /// Pixels that no sample reached, between two ends of one surface, are filled from as far as this. Off unless asked
+    /// for, as the preference is.
+    HoleFill holes{.radius = 0, .sameSurface = 0.03f, .sameColour = 255, .pinholeDepth = 0};
 };
 
 } // namespace render
