@@ -9,6 +9,7 @@ render::Quality qualityOf(const DrawOptions& o) {
     quality.warp = o.warp == "mesh" ? render::Warp::mesh : render::Warp::points;
     quality.preference.nearBaseline = static_cast<float>(o.nearBaseline);
     if (o.maxFootprint > 0) quality.maxFootprint = o.maxFootprint;
+    quality.holes.radius = o.holeRadius;
     return quality;
 }
 

@@ -14,6 +14,7 @@ struct DrawOptions {
     double eyeDistanceMetres = 0.063;
     double nearBaseline = scene::PreferenceOptions{}.nearBaseline;
     int maxFootprint = 0;                 ///< 0: as Quality has it
+    int holeRadius = 4;                   ///< pixels; 0: holes stay
     std::size_t memoryBytes = 8ull << 30; ///< what the scene may take on the device
 };
 

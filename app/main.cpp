@@ -113,6 +113,11 @@ void addDrawOptions(CLI::App& command, app::DrawOptions& options) {
         .add_option("--max-footprint", options.maxFootprint,
                     "points: widest square of pixels for a sample; 1: one pixel each")
         ->check(CLI::Range(1, 64));
+    command
+        .add_option("--hole-radius", options.holeRadius,
+                    "pixels that no sample reached are filled from surfaces this many pixels about; 0: never")
+        ->check(CLI::Range(0, 16))
+        ->capture_default_str();
     refuse(command, "--quality", "the speed and accuracy table");
 }
 

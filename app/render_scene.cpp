@@ -100,6 +100,7 @@ void renderScene(const RenderOptions& options) {
                                   {"eyes", eyes},
                                   {"near_baseline", quality.preference.nearBaseline},
                                   {"max_footprint", quality.maxFootprint},
+                                  {"hole_radius", quality.holes.radius},
                                   {"ipd_m", options.draw.eyeDistanceMetres}};
     writeWhole(options.out / "report.json",
                report.summarise(device, gpuScene, settings)

@@ -1,6 +1,7 @@
 #pragma once
 // Every knob that trades speed for accuracy while drawing.
 
+#include "render/shaders/shared/hole_fill.h"
 #include "scene/preference.h"
 
 namespace render {
@@ -30,6 +31,9 @@ struct Quality {
 
     /// An eye that stands in unseen space itself looks through as much of it, metres of depth; 0: through none.
     double unseenPocketMetres = 1;
+    /// Pixels that no sample reached, between two ends of one surface, are filled from as far as this. Off unless asked
+    /// for, as the preference is.
+    HoleFill holes{.radius = 0, .sameSurface = 0.03f, .sameColour = 255, .pinholeDepth = 0};
 };
 
 } // namespace render

@@ -155,7 +155,7 @@ void Renderer::recordCommands(Eye& eye, const scene::View& view, const Quality& 
         record(commands, kAfterWarp);
         timer.mark(commands, "warp");
 
-        recordResolve(commands, eyeSet);
+        recordResolve(commands, eyeSet, quality.holes);
         record(commands, kAfterResolve);
         timer.mark(commands, "resolve");
 
@@ -193,8 +193,8 @@ void Renderer::recordKeeping(VkCommandBuffer commands, Eye& eye, std::size_t slo
     record(commands, kAfterKeeping);
 }
 
-void Renderer::recordResolve(VkCommandBuffer commands, VkDescriptorSet eyeSet) const {
-    const ResolveConstants constants{static_cast<std::uint32_t>(width_)};
+void Renderer::recordResolve(VkCommandBuffer commands, VkDescriptorSet eyeSet, const HoleFill& holes) const {
+    const ResolveConstants constants{width_, height_, holes};
     vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, resolve_.pipeline);
     vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, resolve_.layout, 0, 1, &eyeSet, 0, nullptr);
     vkCmdPushConstants(commands, resolve_.layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof constants, &constants);

@@ -92,7 +92,7 @@ class Renderer {
     void recordCommands(Eye& eye, const scene::View& view, const Quality& quality, const EyeOutput& output,
                         std::size_t slot, int index);
     void recordKeeping(VkCommandBuffer commands, Eye& eye, std::size_t slot) const;
-    void recordResolve(VkCommandBuffer commands, VkDescriptorSet eyeSet) const;
+    void recordResolve(VkCommandBuffer commands, VkDescriptorSet eyeSet, const HoleFill& holes) const;
     void readTimes(std::size_t slot, std::vector<StepTime>& times) const;
 
     const Device& device_;
