@@ -29,20 +29,13 @@ scene::Camera pathCamera(const RenderOptions& o) {
     return {width, height, focal, focal, width / 2.0, height / 2.0};
 }
 
-/// The same picture in another size: the field of view stays.
-scene::Camera resized(const scene::Camera& c, int width, int height) {
-    if (width == 0) return c;
-    const double sx = static_cast<double>(width) / c.width, sy = static_cast<double>(height) / c.height;
-    return {width, height, c.fx * sx, c.fy * sy, c.cx * sx, c.cy * sy};
-}
-
 std::vector<NamedView> listViews(const RenderOptions& o, const scene::Scene& scene) {
     if (!o.path.empty()) return readPathFile(o.path, scene.walkFromWorld, pathCamera(o));
     std::vector<NamedView> views = o.cameras.empty() ? heldOutViews(scene) : readCamerasFile(o.cameras);
     if (views.empty())
         throw scene::Failure("has no held-out cameras to draw", o.scene, "give --path FILE or --cameras FILE");
     for (NamedView& view : views)
-        view.camera = resized(view.camera, o.width, o.height);
+        if (o.width > 0) view.camera = scene::resized(view.camera, o.width, o.height);
     return views;
 }
 

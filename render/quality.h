@@ -10,6 +10,8 @@ enum class Warp {
     mesh    ///< two triangles in each square of four samples
 };
 
+inline constexpr double kMaxResolutionScale = 4;
+
 struct Quality {
     Warp warp = Warp::points;
 
@@ -24,6 +26,11 @@ struct Quality {
     /// Which of several samples of one surface is shown; directional tiles are drawn only with it. As it stands here:
     /// the nearest in plain z order.
     scene::PreferenceOptions preference{.nearBaseline = 0};
+
+    /// Pixels along a side of what the scene is warped into, over those of the eye's picture, up to
+    /// kMaxResolutionScale. Below 1 it is faster and softer; above 1 each pixel is the mean of several (Nyland et al.
+    /// 1999, section 4.3: supersampling), which smooths edges.
+    double resolutionScale = 1.0;
 };
 
 } // namespace render
