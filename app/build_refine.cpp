@@ -15,7 +15,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr int kRefineVersion = 2;
+constexpr int kRefineVersion = 3;
 
 json describe(const scene::ComparisonOptions& o) {
     return {o.sameSurface, o.pixelError};

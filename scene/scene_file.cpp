@@ -25,7 +25,7 @@ using nlohmann::json;
 static_assert(std::endian::native == std::endian::little, "tiles.bin is little-endian and mapped as it is");
 
 constexpr std::array<char, 8> kMagic{'R', 'V', 'T', 'I', 'L', 'E', 'S', 0};
-constexpr std::uint32_t kVersion = 1, kByteOrderMark = 0x01020304;
+constexpr std::uint32_t kVersion = 2, kByteOrderMark = 0x01020304;
 constexpr std::uint64_t kAlignment = 64;
 constexpr const char* kRemedy = "the scene is damaged: build it again";
 
@@ -94,7 +94,9 @@ void checkBlock(const TileBlock& block, const std::string& where) {
         require(std::isfinite(tile.minDisparity) && std::isfinite(tile.maxDisparity) && tile.minDisparity >= 0 &&
                     tile.minDisparity <= tile.maxDisparity,
                 "impossible disparities");
-        require(tile.width <= kMaxTileSize && tile.height <= kMaxTileSize && tile.x0 >= 0 && tile.y0 >= 0 &&
+        const int maxSize = tile.placeBits == kPlaceBits ? kMaxTileSize : kMaxScrapSize;
+        require(tile.placeBits == kPlaceBits || tile.placeBits == kScrapPlaceBits, "unknown coordinates");
+        require(tile.width <= maxSize && tile.height <= maxSize && tile.x0 >= 0 && tile.y0 >= 0 &&
                     tile.x0 <= block.camera.width - tile.width && tile.y0 <= block.camera.height - tile.height,
                 "a place outside its image");
         require(static_cast<int>(tile.tier) < kTiers, "an unknown tier");

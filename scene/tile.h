@@ -16,11 +16,15 @@ namespace scene {
 
 inline constexpr int kDefaultTileSize = 32;
 inline constexpr int kMaxTileSize = 63; ///< a vertex may stand one sample outside its tile, and has 6 bits
-inline constexpr std::uint32_t kMaxQuantisedDisparity = (1u << 20) - 1;
+inline constexpr int kPlaceBits = 6;
+/// Scraps: what is left of an image where others keep nearly all. Too little to be worth a tile each, it is gathered
+/// over several tiles' places, in coordinates of 8 bits.
+inline constexpr int kMaxScrapSize = 255;
+inline constexpr int kScrapPlaceBits = 8;
 
-/// A sample. place: x | y << 6 | q << 12, x and y from the tile's first sample, q the quantised disparity:
-/// d = minDisparity + q (maxDisparity - minDisparity) / kMaxQuantisedDisparity. colour: r | g << 8 | b << 16 | flags
-/// << 24.
+/// A sample. place: x | y << bits | q << 2 bits, bits being the tile's placeBits; x and y from the tile's first sample,
+/// q the quantised disparity: d = minDisparity + q (maxDisparity - minDisparity) / maxQuantisedOf(tile).
+/// colour: r | g << 8 | b << 16 | flags << 24.
 struct TileVertex {
     std::uint32_t place = 0, colour = 0;
     friend bool operator==(const TileVertex&, const TileVertex&) = default;
@@ -37,7 +41,7 @@ struct TileQuad {
 static_assert(sizeof(TileQuad) == 8);
 inline constexpr std::uint32_t kDrawUpper = 1u << 15; ///< in top
 inline constexpr std::uint32_t kDrawLower = 1u << 15; ///< in bottom
-inline constexpr std::uint32_t kQuadIndexMask = 0x1fff;
+inline constexpr std::uint32_t kQuadIndexMask = 0x7fff;
 
 /// Base tiles together hold every piece of surface that was seen. Directional tiles hold surfaces that the base has
 /// too, as they look from another direction: they are drawn only for eyes that look from near it, and leaving them out
@@ -55,10 +59,26 @@ struct Tile {
     std::uint32_t firstQuad = 0, quadCount = 0;
     std::uint8_t width = 0, height = 0; ///< in samples; vertices have x <= width, y <= height
     Tier tier = Tier::base;
-    std::uint8_t reserved = 0;
+    std::uint8_t placeBits = kPlaceBits; ///< kPlaceBits, or kScrapPlaceBits
     friend bool operator==(const Tile&, const Tile&) = default;
 };
 static_assert(sizeof(Tile) == 40);
+
+inline std::uint32_t maxQuantisedOf(std::uint32_t placeBits) {
+    return (1u << (32 - 2 * placeBits)) - 1;
+}
+inline std::uint32_t maxQuantisedOf(const Tile& tile) {
+    return maxQuantisedOf(tile.placeBits);
+}
+
+/// A vertex' place taken apart.
+struct VertexPlace {
+    std::uint32_t x = 0, y = 0, q = 0;
+};
+inline VertexPlace placeOf(const Tile& tile, const TileVertex& vertex) {
+    const std::uint32_t mask = (1u << tile.placeBits) - 1;
+    return {vertex.place & mask, vertex.place >> tile.placeBits & mask, vertex.place >> 2 * tile.placeBits};
+}
 
 /// The tiles of one image, owned.
 struct TileSet {
@@ -83,14 +103,18 @@ inline TileBlock lend(const TileSet& set, const Camera& camera, const Pose& worl
 /// Cuts an image into tiles of tileSize x tileSize samples (1 to kMaxTileSize). A sample is kept if it is drawable and
 /// not redundant; a triangle is drawn if it is no skin, its three samples are drawable and at least one is kept, by the
 /// tier of its kept samples (base before directional); with a guess among its samples it is a guess. A place in the
-/// image gives up to three tiles, one of each tier; those without kept samples and triangles are left out. Tier by
-/// tier, so that what is drawn only from near can be passed over together.
+/// image gives up to three tiles, one of each tier; those without kept samples and triangles are left out. Where fewer
+/// than one sample in kScrapShare is kept, what there is goes into scraps: so that each step of their disparities
+/// stays small, every scrap holds surfaces of like distance. Tier by tier, so that what is drawn only from near can be
+/// passed over together.
 TileSet cutIntoTiles(const DepthImage& image, int tileSize = kDefaultTileSize);
+
+inline constexpr int kScrapShare = 32;
 
 /// Disparity of a vertex of this tile.
 inline float disparityOf(const Tile& tile, const TileVertex& vertex) {
-    const float step = (tile.maxDisparity - tile.minDisparity) / static_cast<float>(kMaxQuantisedDisparity);
-    return tile.minDisparity + static_cast<float>(vertex.place >> 12) * step;
+    const float step = (tile.maxDisparity - tile.minDisparity) / static_cast<float>(maxQuantisedOf(tile));
+    return tile.minDisparity + static_cast<float>(placeOf(tile, vertex).q) * step;
 }
 
 } // namespace scene
