@@ -13,6 +13,7 @@
 
 #include <tbb/global_control.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <new>
 #include <optional>
@@ -86,24 +87,36 @@ void addBuild(CLI::App& program, app::BuildOptions& options, std::string& memory
                   "may be removed.");
 }
 
+std::string optionOf(const app::Knob& knob) {
+    std::string option = "--" + knob.name;
+    std::replace(option.begin(), option.end(), '_', '-');
+    return option;
+}
+
 /// How a scene is drawn: the same wherever one is.
 void addDrawOptions(CLI::App& command, app::DrawOptions& options) {
-    command.add_option("--warp", options.warp, "points, mesh")
-        ->check(CLI::IsMember({"points", "mesh"}))
-        ->capture_default_str();
+    const std::string group = "Speed and accuracy";
+    command.add_option("--quality", options.quality, "fast, balanced, best, or a JSON file of knobs")
+        ->capture_default_str()
+        ->group(group);
+    for (const app::Knob& knob : app::knobs())
+        command
+            .add_option_function<std::string>(
+                optionOf(knob),
+                [&options, &knob](const std::string& text) {
+                    nlohmann::json value = nlohmann::json::parse(text, nullptr, false);
+                    if (value.is_discarded()) value = text; // a name
+                    render::Quality probe;
+                    if (!knob.set(probe, value))
+                        throw CLI::ValidationError(optionOf(knob) + ": " + text + " is not " + knob.values);
+                    options.turned.emplace_back(knob.name, std::move(value));
+                },
+                knob.does + ": " + knob.values)
+            ->type_name("")
+            ->group(group);
     command.add_option("--ipd", options.eyeDistanceMetres, "metres between the eyes")
         ->check(CLI::Range(0.0, 1.0))
         ->capture_default_str();
-    command
-        .add_option("--near-baseline", options.nearBaseline,
-                    "images taken from within this share of a surface's distance are preferred there; 0: the nearest "
-                    "sample wins")
-        ->check(CLI::Range(0.0, 10.0));
-    command
-        .add_option("--max-footprint", options.maxFootprint,
-                    "points: widest square of pixels for a sample; 1: one pixel each")
-        ->check(CLI::Range(1, 64));
-    refuse(command, "--quality", "the speed and accuracy table");
 }
 
 void addThreads(CLI::App& command, int& threads) {

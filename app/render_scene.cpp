@@ -86,14 +86,12 @@ void renderScene(const RenderOptions& options) {
                           options.aux);
         progress.advance();
     }
-    const nlohmann::json settings{{"scene", options.scene.string()},
-                                  {"warp", options.draw.warp},
-                                  {"width", drawn.width},
-                                  {"height", drawn.height},
-                                  {"eyes", eyes},
-                                  {"near_baseline", quality.preference.nearBaseline},
-                                  {"max_footprint", quality.maxFootprint},
-                                  {"ipd_m", options.draw.eyeDistanceMetres}};
+    nlohmann::json settings{{"scene", options.scene.string()},
+                            {"width", drawn.width},
+                            {"height", drawn.height},
+                            {"eyes", eyes},
+                            {"ipd_m", options.draw.eyeDistanceMetres}};
+    settings.update(toJson(quality));
     writeWhole(options.out / "report.json",
                report.summarise(device, gpuScene, settings)
                        .dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + // paths need not be UTF-8
