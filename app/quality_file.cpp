@@ -101,7 +101,7 @@ std::vector<Knob> makeKnobs() {
         number(
             "resolution_scale", "",
             "pixels along a side of what is warped, over those of the picture; above 1 smooths edges",
-            {0.1, render::kMaxResolutionScale}, {0.5, 0.7, 0.85, 1.5, 2.0},
+            {render::kMinResolutionScale, render::kMaxResolutionScale}, {0.5, 0.7, 0.85, 1.5, 2.0},
             [](auto& q) -> auto& { return q.resolutionScale; }),
         number(
             "near_baseline", "",

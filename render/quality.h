@@ -10,7 +10,7 @@ enum class Warp {
     mesh    ///< two triangles in each square of four samples
 };
 
-inline constexpr double kMaxResolutionScale = 4;
+inline constexpr double kMinResolutionScale = 0.1, kMaxResolutionScale = 4;
 
 struct Quality {
     Warp warp = Warp::points;
@@ -27,9 +27,8 @@ struct Quality {
     /// the nearest in plain z order.
     scene::PreferenceOptions preference{.nearBaseline = 0};
 
-    /// Pixels along a side of what the scene is warped into, over those of the eye's picture, up to
-    /// kMaxResolutionScale. Below 1 it is faster and softer; above 1 each pixel is the mean of several (Nyland et al.
-    /// 1999, section 4.3: supersampling), which smooths edges.
+    /// Pixels along a side of what the scene is warped into, over those of the eye's picture. Below 1 it is faster and
+    /// softer; above 1 each pixel is the mean of several (supersampling), which smooths edges.
     double resolutionScale = 1.0;
 };
 

@@ -94,7 +94,7 @@ FrameStats Renderer::draw(std::span<const scene::View> views, const Quality& qua
 }
 
 void Renderer::chooseResolution(const Quality& quality) {
-    assert(quality.resolutionScale > 0 && quality.resolutionScale <= kMaxResolutionScale);
+    assert(quality.resolutionScale >= kMinResolutionScale && quality.resolutionScale <= kMaxResolutionScale);
     const int width = scaledSide(width_, quality.resolutionScale),
               height = scaledSide(height_, quality.resolutionScale);
     // Room for the eye's own size at least: whoever trades resolution for speed changes it again and again.
