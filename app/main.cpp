@@ -2,6 +2,7 @@
 
 #include "app/build_scene.h"
 #include "app/info.h"
+#include "app/measure_scene.h"
 #include "app/render_scene.h"
 #include "app/sizes.h"
 #include "app/version.h"
@@ -174,6 +175,36 @@ void addWalk(CLI::App& program, app::WalkOptions& options, std::string& size, st
         "  revisit walk room.revisit --headless --path walk.json --out report");
 }
 
+void addMeasure(CLI::App& program, app::MeasureOptions& options, std::string& size, std::string& memory, int& threads) {
+    CLI::App* measure = program.add_subcommand(
+        "measure", "Try settings of drawing: how long frames take, how far pictures are from held-out photographs.");
+    measure->add_option("SCENE", options.scene, "folder that 'revisit build --hold-out' made")->required();
+    measure->add_option("--out", options.out, "folder for report.json, table.md and the worst pictures")->required();
+    measure->add_option("--cameras", options.cameras,
+                        "cameras file with what each took beside it: NAME.png, .jpg or .tiff, and NAME-depth.tiff if "
+                        "known; without it: the held-out photographs");
+    measure->add_option("--path", options.path, "path file that is timed; without it: from camera to camera");
+    measure->add_option("--size", size, "WxH of an eye along the path; default 640x480");
+    measure->add_option("--frames", options.frames, "so many along the path")
+        ->check(CLI::Range(1, 100000))
+        ->capture_default_str();
+    auto* settings = measure->add_option("--settings", options.settings,
+                                         "file of settings to measure: {\"settings\": [{\"name\": \"a\", knobs}]}");
+    measure
+        ->add_option("--sweep", options.sweep,
+                     "knobs to turn one at a time, by their names in files; without it: all of them")
+        ->delimiter(',')
+        ->excludes(settings);
+    addDrawOptions(*measure, options.draw);
+    measure->add_option("--memory", memory, "what the scene may take, e.g. 8G")->capture_default_str();
+    addThreads(*measure, threads);
+    measure->footer(
+        "Every setting is drawn at every place in turn, so that what else the machine does meets all alike.\n"
+        "Examples:\n"
+        "  revisit measure room.revisit --out figures\n"
+        "  revisit measure room.revisit --out figures --quality best --sweep resolution_scale");
+}
+
 int run(int argc, char** argv) {
     CLI::App program{"Revisit: walk back into a place that was photographed or scanned with depth."};
     program.set_version_flag("--version", std::string("revisit ") + app::kVersion + " (" + app::kCommit + ")");
@@ -185,6 +216,7 @@ int run(int argc, char** argv) {
     app::BuildOptions buildOptions;
     app::RenderOptions renderOptions;
     app::WalkOptions walkOptions;
+    app::MeasureOptions measureOptions;
     std::string memory = "8G", size;
     std::filesystem::path infoScene;
     bool infoAsJson = false;
@@ -192,6 +224,7 @@ int run(int argc, char** argv) {
     addBuild(program, buildOptions, memory, threads);
     addRender(program, renderOptions, size, memory, threads);
     addWalk(program, walkOptions, size, memory, threads);
+    addMeasure(program, measureOptions, size, memory, threads);
     CLI::App* info = program.add_subcommand("info", "Say what a scene is and what was built into it.");
     info->add_option("SCENE", infoScene, "folder that 'revisit build' made")->required();
     info->add_flag("--json", infoAsJson, "as JSON, for programs");
@@ -200,10 +233,12 @@ int run(int argc, char** argv) {
     try {
         program.parse(argc, argv);
         buildOptions.memoryBytes = app::parseBytes(memory);
-        renderOptions.draw.memoryBytes = walkOptions.draw.memoryBytes = buildOptions.memoryBytes;
+        renderOptions.draw.memoryBytes = walkOptions.draw.memoryBytes = measureOptions.draw.memoryBytes =
+            buildOptions.memoryBytes;
         if (!size.empty()) {
             std::tie(renderOptions.width, renderOptions.height) = app::parseSize(size);
             std::tie(walkOptions.width, walkOptions.height) = app::parseSize(size);
+            std::tie(measureOptions.width, measureOptions.height) = app::parseSize(size);
         }
     } catch (const CLI::ParseError& e) {
         return program.exit(e) == 0 ? kDone : kWrongUsage;
@@ -216,6 +251,7 @@ int run(int argc, char** argv) {
     if (program.got_subcommand("build")) app::buildScene(buildOptions);
     if (program.got_subcommand("render")) app::renderScene(renderOptions);
     if (program.got_subcommand("walk")) app::walkScene(walkOptions);
+    if (program.got_subcommand("measure")) app::measureScene(measureOptions);
     if (program.got_subcommand("info")) app::printInfo(infoScene, infoAsJson);
     return kDone;
 }

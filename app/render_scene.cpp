@@ -75,7 +75,7 @@ void renderScene(const RenderOptions& options) {
         renderer->draw(eyeViews, quality);
         const render::FrameStats stats = renderer->finish();
         const std::chrono::duration<double, std::milli> passed = std::chrono::steady_clock::now() - start;
-        report.add(view.name, stats, passed.count());
+        report.add(stats, passed.count());
 
         const std::vector<render::EyeImage> images = renderer->readBack();
         for (std::size_t eye = 0; eye < images.size(); ++eye)

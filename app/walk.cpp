@@ -228,7 +228,7 @@ void Walk::drawFrame(WalkStage& stage, xr::ViewSource& source, const xr::Frame& 
     draw(stage, source, frame);
     source.end(frame);
     const std::chrono::duration<double, std::milli> passed = std::chrono::steady_clock::now() - start;
-    report_.add({}, stats_, passed.count());
+    report_.add(stats_, passed.count());
     ++frame_;
 }
 
