@@ -11,6 +11,8 @@ enum class Warp {
     mesh    ///< two triangles in each square of four samples
 };
 
+inline constexpr double kMinResolutionScale = 0.1, kMaxResolutionScale = 4;
+
 struct Quality {
     Warp warp = Warp::points;
 
@@ -34,6 +36,9 @@ struct Quality {
     /// Pixels that no sample reached, between two ends of one surface, are filled from as far as this. Off unless asked
     /// for, as the preference is.
     HoleFill holes{.radius = 0, .sameSurface = 0.03f, .sameColour = 255, .pinholeDepth = 0};
+    /// Pixels along a side of what the scene is warped into, over those of the eye's picture. Below 1 it is faster and
+    /// softer; above 1 each pixel is the mean of several (supersampling), which smooths edges.
+    double resolutionScale = 1.0;
 };
 
 } // namespace render

@@ -47,8 +47,8 @@ OpenSpace::OpenSpace(const DepthImage& image, std::span<const DepthImage* const>
 void OpenSpace::continuePast(const DepthImage& image, std::span<const DepthImage* const> companions, int margin) {
     for (int y = 0; y < camera_.height; ++y)
         for (int x = 0; x < camera_.width; ++x) {
-            const bool isInside = x >= margin && y >= margin && x < camera_.width - margin &&
-                                  y < camera_.height - margin;
+            const bool isInside =
+                x >= margin && y >= margin && x < camera_.width - margin && y < camera_.height - margin;
             Span& span = levels_[0].spans[static_cast<std::size_t>(y) * static_cast<std::size_t>(camera_.width) +
                                           static_cast<std::size_t>(x)];
             // The last row and column have no square of their own within the image.
@@ -85,8 +85,9 @@ void OpenSpace::buildPyramid() {
                 Span span{0, kNothing, false};
                 for (int fy = 2 * y; fy < std::min(2 * y + 2, fine.height); ++fy)
                     for (int fx = 2 * x; fx < std::min(2 * x + 2, fine.width); ++fx) {
-                        const Span& of = fine.spans[static_cast<std::size_t>(fy) * static_cast<std::size_t>(fine.width) +
-                                                    static_cast<std::size_t>(fx)];
+                        const Span& of =
+                            fine.spans[static_cast<std::size_t>(fy) * static_cast<std::size_t>(fine.width) +
+                                       static_cast<std::size_t>(fx)];
                         span.nearest = std::max(span.nearest, of.nearest);
                         span.farthest = std::min(span.farthest, of.farthest);
                         span.hasEdge = span.hasEdge || of.hasEdge;

@@ -161,7 +161,8 @@ class Keeper {
                 count += !guess;
             }
         if (tier != Keep::directional) return count;
-        const bool isPatch = wanted > 0 && static_cast<float>(wanted) >= options_.minPatchShare * static_cast<float>(there);
+        const bool isPatch =
+            wanted > 0 && static_cast<float>(wanted) >= options_.minPatchShare * static_cast<float>(there);
         count = 0;
         forSamples(tile, image, [&](int x, int y) {
             Keep& mine = kept[tile.image](x, y);

@@ -104,9 +104,8 @@ class Truth {
     static void around(const glm::dvec3& scanner, const glm::dvec3& p, Visit&& visit) {
         const glm::dvec3 ray = p - scanner;
         const double step = glm::length(ray) * kSpacing;
-        const glm::dvec3 side = glm::normalize(glm::cross(ray, std::abs(ray.z) < 0.9 * glm::length(ray)
-                                                                   ? glm::dvec3(0, 0, 1)
-                                                                   : glm::dvec3(1, 0, 0)));
+        const glm::dvec3 side = glm::normalize(
+            glm::cross(ray, std::abs(ray.z) < 0.9 * glm::length(ray) ? glm::dvec3(0, 0, 1) : glm::dvec3(1, 0, 0)));
         const glm::dvec3 up = glm::normalize(glm::cross(side, ray));
         for (const glm::dvec3& offset : {glm::dvec3(0), step * side, -step * side, step * up, -step * up})
             if (!visit(ray + offset)) return;
@@ -190,8 +189,7 @@ void countPlace(const Place& place, Count& count) {
             const int pixel = i - static_cast<int>(eye) * camera.width * camera.height;
             if (pixel >= camera.width * camera.height) return;
             const int x = pixel % camera.width, y = pixel / camera.width;
-            const glm::dvec3 direction =
-                views[eye].worldFromEye.rotation * scene::rayThrough(camera, x + 0.5, y + 0.5);
+            const glm::dvec3 direction = views[eye].worldFromEye.rotation * scene::rayThrough(camera, x + 0.5, y + 0.5);
             const bool isUnseen = pictures[eye].pixelClass(x, y) == 3;
             switch (judge(place, truth, views[eye].worldFromEye.translation, direction)) {
             case RayTruth::meetsUnseen:
@@ -202,7 +200,8 @@ void countPlace(const Place& place, Count& count) {
                 ++count.observed;
                 count.wronged += isUnseen ? 1 : 0;
                 break;
-            case RayTruth::between: ++count.between;
+            case RayTruth::between:
+                ++count.between;
             }
         });
     }
@@ -216,10 +215,11 @@ void expectTruth(const Place& place) {
     const double all = static_cast<double>(count.unseen + count.observed + count.between);
     const double missed = static_cast<double>(count.missed) / static_cast<double>(count.unseen);
     const double wronged = static_cast<double>(count.wronged) / static_cast<double>(count.observed);
-    std::printf("nodes %llu finest %.4f m unseen %.1f m3; rays: unseen %lld missed %.4f %%, observed %lld wronged %.4f %%, between %.2f %%\n",
-                static_cast<unsigned long long>(place.figures.nodes), place.figures.finestMetres, place.figures.unseenCubicMetres,
-                static_cast<long long>(count.unseen), 100 * missed, static_cast<long long>(count.observed), 100 * wronged,
-                100 * static_cast<double>(count.between) / all);
+    std::printf("nodes %llu finest %.4f m unseen %.1f m3; rays: unseen %lld missed %.4f %%, observed %lld wronged %.4f "
+                "%%, between %.2f %%\n",
+                static_cast<unsigned long long>(place.figures.nodes), place.figures.finestMetres,
+                place.figures.unseenCubicMetres, static_cast<long long>(count.unseen), 100 * missed,
+                static_cast<long long>(count.observed), 100 * wronged, 100 * static_cast<double>(count.between) / all);
     EXPECT_GT(count.unseen, 1000);
     EXPECT_GT(count.observed, 1000);
     EXPECT_LE(missed, 0.001);
@@ -227,9 +227,13 @@ void expectTruth(const Place& place) {
     EXPECT_LE(static_cast<double>(count.between), 0.2 * all);
 }
 
-TEST_F(UnseenTruth, InARoom) { expectTruth(scanPlace(scene::makeRoom(), 2)); }
+TEST_F(UnseenTruth, InARoom) {
+    expectTruth(scanPlace(scene::makeRoom(), 2));
+}
 
-TEST_F(UnseenTruth, AtAStreetCorner) { expectTruth(scanPlace(scene::makeStreetCorner(), 3)); }
+TEST_F(UnseenTruth, AtAStreetCorner) {
+    expectTruth(scanPlace(scene::makeStreetCorner(), 3));
+}
 
 } // namespace
 } // namespace render
