@@ -6,7 +6,8 @@ namespace app {
 
 render::Quality qualityOf(const DrawOptions& o) {
     render::Quality quality;
-    quality.warp = o.warp == "mesh" ? render::Warp::mesh : render::Warp::points;
+    quality.warp = o.warp == "points" ? render::Warp::points : render::Warp::mesh;
+    quality.isBlended = o.warp == "blended";
     quality.preference.nearBaseline = static_cast<float>(o.nearBaseline);
     if (o.maxFootprint > 0) quality.maxFootprint = o.maxFootprint;
     return quality;

@@ -10,7 +10,7 @@
 namespace app {
 
 struct DrawOptions {
-    std::string warp = "points"; ///< points or mesh
+    std::string warp = "points"; ///< points, mesh or blended
     double eyeDistanceMetres = 0.063;
     double nearBaseline = scene::PreferenceOptions{}.nearBaseline;
     int maxFootprint = 0;                 ///< 0: as Quality has it

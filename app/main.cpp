@@ -88,8 +88,8 @@ void addBuild(CLI::App& program, app::BuildOptions& options, std::string& memory
 
 /// How a scene is drawn: the same wherever one is.
 void addDrawOptions(CLI::App& command, app::DrawOptions& options) {
-    command.add_option("--warp", options.warp, "points, mesh")
-        ->check(CLI::IsMember({"points", "mesh"}))
+    command.add_option("--warp", options.warp, "points, mesh, blended (the best pictures)")
+        ->check(CLI::IsMember({"points", "mesh", "blended"}))
         ->capture_default_str();
     command.add_option("--ipd", options.eyeDistanceMetres, "metres between the eyes")
         ->check(CLI::Range(0.0, 1.0))

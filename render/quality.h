@@ -1,6 +1,7 @@
 #pragma once
 // Every knob that trades speed for accuracy while drawing.
 
+#include "scene/blend.h"
 #include "scene/preference.h"
 
 namespace render {
@@ -24,6 +25,11 @@ struct Quality {
     /// Which of several samples of one surface is shown; directional tiles are drawn only with it. As it stands here:
     /// the nearest in plain z order.
     scene::PreferenceOptions preference{.nearBaseline = 0};
+
+    /// A second pass shows at every pixel the mean of all samples that stand at the surface `warp` found: the best
+    /// pictures, for several times the time.
+    bool isBlended = false;
+    scene::BlendOptions blend; ///< of that pass
 };
 
 } // namespace render

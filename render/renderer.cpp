@@ -4,6 +4,7 @@
 
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
 #include <cassert>
 
 namespace render {
@@ -12,7 +13,8 @@ namespace {
 
 /// How far outside the image a sample may stand and still touch it.
 double marginOf(const Quality& quality) {
-    return quality.warp == Warp::points ? 0.5 * quality.maxFootprint + 1.0 : 1.0;
+    const double margin = quality.warp == Warp::points ? 0.5 * quality.maxFootprint + 1.0 : 1.0;
+    return quality.isBlended ? std::max(margin, static_cast<double>(quality.blend.maxRadius) + 1.0) : margin;
 }
 
 constexpr VkPipelineStageFlags kCompute = VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT;
@@ -40,6 +42,7 @@ Renderer::Renderer(const Device& device, const GpuScene& scene, int width, int h
     : device_(device), scene_(scene), width_(width), height_(height),
       eyeLayout_(makeEyeLayout(device)), warps_{makeWarpPass(device, Warp::points, scene.pageLayout(), eyeLayout_),
                                                 makeWarpPass(device, Warp::mesh, scene.pageLayout(), eyeLayout_)},
+      blend_(makeBlendPass(device, scene.pageLayout(), eyeLayout_)),
       resolve_(makeComputePipeline(device, kResolveCode, std::array<VkDescriptorSetLayout, 1>{eyeLayout_},
                                    sizeof(ResolveConstants), std::array{resolveWorkgroupSize(device)})),
       depthPass_(makeDepthPass(device)), overlay_(makeOverlayPass(device, eyeLayout_)), streams_(device, eyes) {
@@ -47,6 +50,8 @@ Renderer::Renderer(const Device& device, const GpuScene& scene, int width, int h
     for (int eye = 0; eye < eyes; ++eye)
         eyes_.push_back({makeEyeTarget(device, eyeLayout_, width, height, scene.tiles().size()),
                          {StepTimer(device), StepTimer(device)},
+                         {},
+                         {},
                          {},
                          {},
                          {},
@@ -92,6 +97,7 @@ FrameStats Renderer::draw(std::span<const scene::View> views, const Quality& qua
             counts.tilesRejected -= count;
         counts.tilesDrawn = eye.list.tiles;
         counts.samplesDrawn = eye.list.items;
+        counts.samplesBlended = quality.isBlended ? eye.blendList.items : 0;
         counts.overlayStrokes = static_cast<std::uint32_t>(eye.overlay.strokes.size());
         counts.overlayDropped = eye.overlay.dropped;
     }
@@ -118,6 +124,10 @@ void Renderer::prepare(Eye& eye, const scene::View& view, const Quality& quality
     timed(eye.times, "list", index, [&] {
         buildDrawList(scene_.tiles(), scene_.bounds(), scene_.pieces(), eye.eyeImagesFromSources, eye.eyeFromCameras,
                       eye.visible, quality, eye.target.draws[slot].as<TileDraw>(), eye.list);
+        if (!quality.isBlended) return;
+        if (!eye.blend) eye.blend = makeBlendTarget(device_, blend_, width_, height_, scene_.tiles().size());
+        buildBlendList(scene_.tiles(), scene_.bounds(), scene_.pieces(), eye.eyeImagesFromSources, eye.eyeFromCameras,
+                       eye.visible, quality.blend, eye.blend->draws[slot].as<BlendDraw>(), eye.blendList);
     });
 }
 
@@ -152,7 +162,17 @@ void Renderer::recordCommands(Eye& eye, const Quality& quality, const EyeOutput&
         record(commands, kAfterWarp);
         timer.mark(commands, "warp");
 
+        if (quality.isBlended) {
+            recordBlend(commands, blend_, scene_, eyeSet, *eye.blend, slot, eye.blendList.runs, width_, height_);
+            record(commands, kAfterWarp);
+            timer.mark(commands, "blend");
+        }
+
         recordResolve(commands, eyeSet);
+        if (quality.isBlended) {
+            record(commands, kBetweenPictures);
+            recordBlendResolve(commands, blend_, eyeSet, *eye.blend, slot, width_, height_);
+        }
         record(commands, kAfterResolve);
         timer.mark(commands, "resolve");
 

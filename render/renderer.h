@@ -12,6 +12,7 @@
 #include "render/readback.h"
 #include "render/target.h"
 #include "render/timing.h"
+#include "render/warp/blend_pass.h"
 #include "render/warp/warp_pass.h"
 #include "scene/view.h"
 
@@ -25,14 +26,16 @@ namespace render {
 
 struct EyeCounts {
     std::uint32_t tilesTested = 0, tilesRejected = 0, tilesDrawn = 0;
-    std::uint64_t samplesDrawn = 0; ///< points, or squares of the mesh
+    std::uint64_t samplesDrawn = 0;   ///< points, or squares of the mesh
+    std::uint64_t samplesBlended = 0; ///< of the second pass, if there was one
     std::uint32_t overlayStrokes = 0, overlayDropped = 0;
 };
 
 struct FrameStats {
     std::uint64_t frame = 0;
     std::vector<StepTime> cpu; ///< wait, cull, list, overlay, record, submit
-    std::vector<StepTime> gpu; ///< clear, warp, resolve, overlay; of the frame gpuFrame, empty while none has finished
+    std::vector<StepTime>
+        gpu; ///< clear, warp, blend, resolve, overlay; of the frame gpuFrame, empty while none has finished
     std::uint64_t gpuFrame = 0;
     std::array<EyeCounts, kMaxEyes> eyes{};
 };
@@ -78,6 +81,8 @@ class Renderer {
         std::vector<ImagePlanes> planes;
         VisibleTiles visible;
         DrawList list;
+        BlendList blendList;
+        std::optional<BlendTarget> blend{}; ///< made when first wanted
         std::vector<StepTime> times;
         std::array<Buffer, kFramesInFlight> kept{}; ///< copies of the colours; made when first wanted
         std::optional<DepthBuffers> depth{};        ///< made when first wanted
@@ -96,6 +101,7 @@ class Renderer {
     int width_, height_;
     DescriptorSetLayout eyeLayout_;
     std::array<WarpPass, 2> warps_; ///< by Warp
+    BlendPass blend_;
     ComputePipeline resolve_;
     DepthPass depthPass_;
     OverlayPass overlay_;
