@@ -19,8 +19,11 @@ using render::Quality;
 struct WarpName {
     const char* name;
     render::Warp warp;
+    bool isBlended;
 };
-constexpr std::array kWarpNames{WarpName{"points", render::Warp::points}, WarpName{"mesh", render::Warp::mesh}};
+constexpr std::array kWarpNames{WarpName{"points", render::Warp::points, false},
+                                WarpName{"mesh", render::Warp::mesh, false},
+                                WarpName{"blended", render::Warp::mesh, true}};
 
 /// As few digits as tell the number apart from its neighbours: 0.07 and not 0.0700000003.
 template <class T>
@@ -81,13 +84,13 @@ Knob warpKnob() {
     knob.values = "one of " + listed(knob.names);
     knob.get = [](const Quality& q) -> json {
         return std::find_if(kWarpNames.begin(), kWarpNames.end(),
-                            [&](const WarpName& row) { return row.warp == q.warp; })
+                            [&](const WarpName& row) { return row.warp == q.warp && row.isBlended == q.isBlended; })
             ->name;
     };
     knob.set = [](Quality& q, const json& value) {
         for (const WarpName& row : kWarpNames)
             if (value == row.name) {
-                q.warp = row.warp;
+                q.warp = row.warp, q.isBlended = row.isBlended;
                 return true;
             }
         return false;

@@ -14,6 +14,7 @@
 #include "render/readback.h"
 #include "render/target.h"
 #include "render/timing.h"
+#include "render/warp/blend_pass.h"
 #include "render/warp/warp_pass.h"
 #include "scene/view.h"
 
@@ -27,15 +28,16 @@ namespace render {
 
 struct EyeCounts {
     std::uint32_t tilesTested = 0, tilesRejected = 0, tilesDrawn = 0;
-    std::uint64_t samplesDrawn = 0; ///< points, or squares of the mesh
+    std::uint64_t samplesDrawn = 0;   ///< points, or squares of the mesh
+    std::uint64_t samplesBlended = 0; ///< of the second pass, if there was one
     std::uint32_t overlayStrokes = 0, overlayDropped = 0;
 };
 
 struct FrameStats {
     std::uint64_t frame = 0;
     std::vector<StepTime> cpu; ///< wait, cull, list, overlay, record, submit
-    std::vector<StepTime> gpu; ///< clear, warp, resolve, unseen, rescale, overlay; of the frame gpuFrame, empty while
-                               ///< none has finished
+    std::vector<StepTime> gpu; ///< clear, warp, blend, resolve, unseen, rescale, overlay; of the frame gpuFrame, empty
+                               ///< while none has finished
     std::uint64_t gpuFrame = 0;
     std::array<EyeCounts, kMaxEyes> eyes{};
 };
@@ -88,6 +90,8 @@ class Renderer {
         std::vector<ImagePlanes> planes{};
         VisibleTiles visible{};
         DrawList list{};
+        BlendList blendList{};
+        std::optional<BlendTarget> blend{}; ///< made when first wanted
         std::vector<StepTime> times{};
         std::array<Buffer, kFramesInFlight> kept{}; ///< copies of the colours; made when first wanted
         std::optional<DepthBuffers> depth{};        ///< made when first wanted
@@ -95,6 +99,7 @@ class Renderer {
         std::array<OverlayBuffers, kFramesInFlight> overlayBuffers{}; ///< made when first wanted
     };
     void chooseResolution(const Quality& quality);
+    void makeRoomToBlend(const Quality& quality);
     void prepare(Eye& eye, const scene::View& view, const Quality& quality, std::size_t slot, int index);
     void prepareOverlay(Eye& eye, const scene::View& view, const Overlay& overlay, std::size_t slot, int index);
     void recordCommands(Eye& eye, const scene::View& view, const Quality& quality, const EyeOutput& output,
@@ -108,6 +113,7 @@ class Renderer {
     int width_, height_;
     DescriptorSetLayout eyeLayout_;
     std::array<WarpPass, 2> warps_; ///< by Warp
+    BlendPass blend_;
     ComputePipeline resolve_;
     RescalePass rescale_;
     DepthPass depthPass_;
