@@ -8,8 +8,9 @@
 namespace render {
 
 enum class Warp {
-    points, ///< each sample a square of pixels
-    mesh    ///< two triangles in each square of four samples
+    points,  ///< each sample a square of pixels
+    mesh,    ///< two triangles in each square of four samples
+    adaptive ///< a textured facet wherever samples lie in a plane (scene/facets.h), squares elsewhere
 };
 
 inline constexpr double kMinResolutionScale = 0.1, kMaxResolutionScale = 4;
@@ -28,6 +29,13 @@ struct Quality {
     /// Which of several samples of one surface is shown; directional tiles are drawn only with it. As it stands here:
     /// the nearest in plain z order.
     scene::PreferenceOptions preference{.nearBaseline = 0};
+
+    /// Points and adaptive: coarser samples (scene/pyramid.h) stand for finer ones where they are seen no wider than
+    /// this, pixels. 0: all that was sampled is drawn.
+    double samplePixels = 0;
+
+    /// The same for base samples of images that were taken from far away, which are seen only where nobody stood near.
+    double farSamplePixels = 0;
 
     /// Where no image ever looked is shown as unseen, in a scene that knows (GpuCoverage). False: as emptiness.
     bool showUnseen = true;

@@ -42,7 +42,8 @@ Renderer::Renderer(const Device& device, const GpuScene& scene, int width, int h
                    const GpuCoverage* coverage)
     : device_(device), scene_(scene), width_(width), height_(height),
       eyeLayout_(makeEyeLayout(device)), warps_{makeWarpPass(device, Warp::points, scene.pageLayout(), eyeLayout_),
-                                                makeWarpPass(device, Warp::mesh, scene.pageLayout(), eyeLayout_)},
+                                                makeWarpPass(device, Warp::mesh, scene.pageLayout(), eyeLayout_),
+                                                makeWarpPass(device, Warp::adaptive, scene.pageLayout(), eyeLayout_)},
       blend_(makeBlendPass(device, scene.pageLayout(), eyeLayout_)),
       resolve_(makeComputePipeline(device, kResolveCode, std::array<VkDescriptorSetLayout, 1>{eyeLayout_},
                                    sizeof(ResolveConstants), std::array{resolveWorkgroupSize(device)})),
@@ -138,23 +139,20 @@ void Renderer::prepare(Eye& eye, const scene::View& given, const Quality& qualit
     const scene::View view{scene::resized(given.camera, eye.warpWidth, eye.warpHeight), given.worldFromEye};
     eye.times.clear();
     timed(eye.times, "cull", index, [&] {
-        eye.eyeImagesFromSources.clear();
-        eye.eyeFromCameras.clear();
+        eye.sources = sourceViewsOf(scene_.images(), view, quality);
         eye.planes.clear();
-        for (const ResidentImage& image : scene_.images()) {
-            const glm::dmat4 c = scene::eyeImageFromSourceImage(view, image.camera, image.worldFromCamera);
-            eye.eyeImagesFromSources.push_back(c);
-            eye.eyeFromCameras.push_back(view.worldFromEye.translation - image.worldFromCamera.translation);
-            eye.planes.push_back(planesOf(c, eye.warpWidth, eye.warpHeight, marginOf(quality), image.extent));
-        }
+        for (std::size_t i = 0; i < eye.sources.size(); ++i)
+            eye.planes.push_back(planesOf(eye.sources[i].eyeImageFromSource, eye.warpWidth, eye.warpHeight,
+                                          marginOf(quality), scene_.images()[i].extent));
         cull(scene_.bounds(), scene_.pieces(), eye.planes, eye.visible);
     });
     timed(eye.times, "list", index, [&] {
-        buildDrawList(scene_.tiles(), scene_.bounds(), scene_.pieces(), eye.eyeImagesFromSources, eye.eyeFromCameras,
-                      eye.visible, quality, eye.warped().draws[slot].as<TileDraw>(), eye.list);
+        buildDrawList(scene_.tiles(), scene_.bounds(), scene_.pieces(), eye.sources, eye.visible, quality,
+                      eye.warped().draws[slot].as<TileDraw>(), eye.list);
         if (!quality.isBlended) return;
-        buildBlendList(scene_.tiles(), scene_.bounds(), scene_.pieces(), eye.eyeImagesFromSources, eye.eyeFromCameras,
-                       eye.visible, quality.blend, eye.blend->draws[slot].as<BlendDraw>(), eye.blendList);
+        buildBlendList(scene_.tiles(), scene_.bounds(), scene_.pieces(),
+                       std::span<const SourceView>(eye.sources).first(scene_.capturedImages()), eye.visible,
+                       quality.blend, eye.blend->draws[slot].as<BlendDraw>(), eye.blendList);
     });
 }
 
@@ -187,8 +185,7 @@ void Renderer::recordCommands(Eye& eye, const scene::View& view, const Quality& 
         record(commands, kAfterClear);
         timer.mark(commands, "clear");
 
-        const WarpPass& warp = warps_[static_cast<std::size_t>(quality.warp)];
-        recordWarp(commands, warp, scene_, eyeSet, eye.list.runs, eye.warpWidth, eye.warpHeight);
+        recordWarp(commands, warps_, scene_, eyeSet, eye.list.runs, eye.warpWidth, eye.warpHeight);
         record(commands, kAfterWarp);
         timer.mark(commands, "warp");
 

@@ -85,8 +85,7 @@ class Renderer {
         /// Where the scene is warped and resolved.
         const EyeTarget& warped() const { return isScaled ? scaled->target : target; }
         std::array<StepTimer, kFramesInFlight> timers;
-        std::vector<glm::dmat4> eyeImagesFromSources{};
-        std::vector<glm::dvec3> eyeFromCameras{};
+        std::vector<SourceView> sources{}; ///< for each of the scene's images
         std::vector<ImagePlanes> planes{};
         VisibleTiles visible{};
         DrawList list{};
@@ -112,7 +111,7 @@ class Renderer {
     const GpuScene& scene_;
     int width_, height_;
     DescriptorSetLayout eyeLayout_;
-    std::array<WarpPass, 2> warps_; ///< by Warp
+    WarpPasses warps_;
     BlendPass blend_;
     ComputePipeline resolve_;
     RescalePass rescale_;

@@ -18,7 +18,7 @@ struct BlendDraw {
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(BlendDraw) == 112);
+static_assert(sizeof(BlendDraw) == 144);
 #endif
 
 /// The eye disparity at a pixel of the first pass.
