@@ -13,7 +13,7 @@ namespace {
 
 /// How far outside the image a sample may stand and still touch it.
 double marginOf(const Quality& quality) {
-    const double margin = quality.warp == Warp::points ? 0.5 * quality.maxFootprint + 1.0 : 1.0;
+    const double margin = quality.warp != Warp::mesh ? 0.5 * quality.maxFootprint + 1.0 : 1.0;
     return quality.isBlended ? std::max(margin, static_cast<double>(quality.blend.maxRadius) + 1.0) : margin;
 }
 
