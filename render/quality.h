@@ -26,9 +26,9 @@ struct Quality {
     /// the nearest in plain z order.
     scene::PreferenceOptions preference{.nearBaseline = 0};
 
-    /// Pixels that no sample reached, between two ends of one surface, are filled from as far as this. Off unless asked
-    /// for, as the preference is.
-    HoleFill holes{.radius = 0, .sameSurface = 0.03f, .sameColour = 255, .pinholeDepth = 0};
+    /// Pixels that no sample reached, between two ends of one surface, are filled from as far as the radius. Off unless
+    /// asked for, as the preference is.
+    HoleFill holes{.radius = 0, .sameSurface = 0.03f, .sameColour = 64, .pinholeDepth = 0.05f};
 };
 
 } // namespace render

@@ -1,7 +1,5 @@
 #include "render/renderer.h"
 
-#include "spirv/resolve.comp.h"
-
 #include <tbb/parallel_for.h>
 
 #include <cassert>
@@ -30,19 +28,13 @@ constexpr Barrier kBetweenPictures{kCompute, kWrite, kCompute, kRead | kWrite};
 constexpr Barrier kAfterKeeping{kTransfer, VK_ACCESS_TRANSFER_WRITE_BIT, VK_PIPELINE_STAGE_HOST_BIT,
                                 VK_ACCESS_HOST_READ_BIT};
 
-std::uint32_t resolveWorkgroupSize(const Device& device) {
-    return device.isProcessor() ? static_cast<std::uint32_t>(device.subgroupSize()) : 128;
-}
-
 } // namespace
 
 Renderer::Renderer(const Device& device, const GpuScene& scene, int width, int height, int eyes)
     : device_(device), scene_(scene), width_(width), height_(height),
       eyeLayout_(makeEyeLayout(device)), warps_{makeWarpPass(device, Warp::points, scene.pageLayout(), eyeLayout_),
                                                 makeWarpPass(device, Warp::mesh, scene.pageLayout(), eyeLayout_)},
-      resolve_(makeComputePipeline(device, kResolveCode, std::array<VkDescriptorSetLayout, 1>{eyeLayout_},
-                                   sizeof(ResolveConstants), std::array{resolveWorkgroupSize(device)})),
-      depthPass_(makeDepthPass(device)), overlay_(makeOverlayPass(device, eyeLayout_)), streams_(device, eyes) {
+      resolve_(makeResolvePass(device, eyeLayout_)), depthPass_(makeDepthPass(device)), overlay_(makeOverlayPass(device, eyeLayout_)), streams_(device, eyes) {
     assert(width > 0 && height > 0 && eyes >= 1 && eyes <= kMaxEyes);
     for (int eye = 0; eye < eyes; ++eye)
         eyes_.push_back({makeEyeTarget(device, eyeLayout_, width, height, scene.tiles().size()),
@@ -152,7 +144,7 @@ void Renderer::recordCommands(Eye& eye, const Quality& quality, const EyeOutput&
         record(commands, kAfterWarp);
         timer.mark(commands, "warp");
 
-        recordResolve(commands, eyeSet, quality.holes);
+        recordResolve(commands, resolve_, eyeSet, width_, height_, quality.holes);
         record(commands, kAfterResolve);
         timer.mark(commands, "resolve");
 
@@ -181,14 +173,6 @@ void Renderer::recordKeeping(VkCommandBuffer commands, Eye& eye, std::size_t slo
     const VkBufferCopy whole{0, 0, colours.size()};
     vkCmdCopyBuffer(commands, colours.handle(), eye.kept[slot].handle(), 1, &whole);
     record(commands, kAfterKeeping);
-}
-
-void Renderer::recordResolve(VkCommandBuffer commands, VkDescriptorSet eyeSet, const HoleFill& holes) const {
-    const ResolveConstants constants{width_, height_, holes};
-    vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, resolve_.pipeline);
-    vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, resolve_.layout, 0, 1, &eyeSet, 0, nullptr);
-    vkCmdPushConstants(commands, resolve_.layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof constants, &constants);
-    vkCmdDispatch(commands, static_cast<std::uint32_t>(height_), 1, 1);
 }
 
 void Renderer::readTimes(std::size_t slot, std::vector<StepTime>& times) const {

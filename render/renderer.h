@@ -8,6 +8,7 @@
 #include "render/gpu_scene.h"
 #include "render/output.h"
 #include "render/overlay_pass.h"
+#include "render/post/resolve_pass.h"
 #include "render/quality.h"
 #include "render/readback.h"
 #include "render/target.h"
@@ -88,7 +89,6 @@ class Renderer {
     void prepareOverlay(Eye& eye, const scene::View& view, const Overlay& overlay, std::size_t slot, int index);
     void recordCommands(Eye& eye, const Quality& quality, const EyeOutput& output, std::size_t slot, int index);
     void recordKeeping(VkCommandBuffer commands, Eye& eye, std::size_t slot) const;
-    void recordResolve(VkCommandBuffer commands, VkDescriptorSet eyeSet, const HoleFill& holes) const;
     void readTimes(std::size_t slot, std::vector<StepTime>& times) const;
 
     const Device& device_;
@@ -96,7 +96,7 @@ class Renderer {
     int width_, height_;
     DescriptorSetLayout eyeLayout_;
     std::array<WarpPass, 2> warps_; ///< by Warp
-    ComputePipeline resolve_;
+    ResolvePass resolve_;
     DepthPass depthPass_;
     OverlayPass overlay_;
     std::vector<Eye> eyes_;
