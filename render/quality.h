@@ -42,9 +42,11 @@ struct Quality {
 
     /// An eye that stands in unseen space itself looks through as much of it, metres of depth; 0: through none.
     double unseenPocketMetres = 1;
-    /// Pixels that no sample reached, between two ends of one surface, are filled from as far as this. Off unless asked
-    /// for, as the preference is.
-    HoleFill holes{.radius = 0, .sameSurface = 0.03f, .sameColour = 255, .pinholeDepth = 0};
+
+    /// Pixels that no sample reached, between two ends of one surface, are filled from as far as the radius. Off unless
+    /// asked for, as the preference is.
+    HoleFill holes{.radius = 0, .sameSurface = 0.03f, .sameColour = 64, .pinholeDepth = 0.05f};
+
     /// Pixels along a side of what the scene is warped into, over those of the eye's picture. Below 1 it is faster and
     /// softer; above 1 each pixel is the mean of several (supersampling), which smooths edges.
     double resolutionScale = 1.0;

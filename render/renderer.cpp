@@ -1,7 +1,5 @@
 #include "render/renderer.h"
 
-#include "spirv/resolve.comp.h"
-
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -32,10 +30,6 @@ constexpr Barrier kBetweenPictures{kCompute, kWrite, kCompute, kRead | kWrite};
 constexpr Barrier kAfterKeeping{kTransfer, VK_ACCESS_TRANSFER_WRITE_BIT, VK_PIPELINE_STAGE_HOST_BIT,
                                 VK_ACCESS_HOST_READ_BIT};
 
-std::uint32_t resolveWorkgroupSize(const Device& device) {
-    return device.isProcessor() ? static_cast<std::uint32_t>(device.subgroupSize()) : 128;
-}
-
 } // namespace
 
 Renderer::Renderer(const Device& device, const GpuScene& scene, int width, int height, int eyes,
@@ -44,9 +38,7 @@ Renderer::Renderer(const Device& device, const GpuScene& scene, int width, int h
       eyeLayout_(makeEyeLayout(device)), warps_{makeWarpPass(device, Warp::points, scene.pageLayout(), eyeLayout_),
                                                 makeWarpPass(device, Warp::mesh, scene.pageLayout(), eyeLayout_),
                                                 makeWarpPass(device, Warp::adaptive, scene.pageLayout(), eyeLayout_)},
-      blend_(makeBlendPass(device, scene.pageLayout(), eyeLayout_)),
-      resolve_(makeComputePipeline(device, kResolveCode, std::array<VkDescriptorSetLayout, 1>{eyeLayout_},
-                                   sizeof(ResolveConstants), std::array{resolveWorkgroupSize(device)})),
+      blend_(makeBlendPass(device, scene.pageLayout(), eyeLayout_)), resolve_(makeResolvePass(device, eyeLayout_)),
       rescale_(makeRescalePass(device)), depthPass_(makeDepthPass(device)),
       overlay_(makeOverlayPass(device, eyeLayout_)), coverage_(coverage),
       unseen_(coverage != nullptr ? makeUnseenPipeline(device, *coverage, eyeLayout_) : ComputePipeline{}),
@@ -196,7 +188,7 @@ void Renderer::recordCommands(Eye& eye, const scene::View& view, const Quality& 
             timer.mark(commands, "blend");
         }
 
-        recordResolve(commands, eye, eyeSet, quality.holes);
+        recordResolve(commands, resolve_, eyeSet, eye.warpWidth, eye.warpHeight, quality.holes);
         if (quality.isBlended) {
             record(commands, kBetweenPictures);
             recordBlendResolve(commands, blend_, eyeSet, *eye.blend, slot, eye.warpWidth, eye.warpHeight);
@@ -245,15 +237,6 @@ void Renderer::recordKeeping(VkCommandBuffer commands, Eye& eye, std::size_t slo
     const VkBufferCopy whole{0, 0, colours.size()};
     vkCmdCopyBuffer(commands, colours.handle(), eye.kept[slot].handle(), 1, &whole);
     record(commands, kAfterKeeping);
-}
-
-void Renderer::recordResolve(VkCommandBuffer commands, const Eye& eye, VkDescriptorSet eyeSet,
-                             const HoleFill& holes) const {
-    const ResolveConstants constants{eye.warpWidth, eye.warpHeight, holes};
-    vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, resolve_.pipeline);
-    vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, resolve_.layout, 0, 1, &eyeSet, 0, nullptr);
-    vkCmdPushConstants(commands, resolve_.layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof constants, &constants);
-    vkCmdDispatch(commands, static_cast<std::uint32_t>(eye.warpHeight), 1, 1);
 }
 
 void Renderer::readTimes(std::size_t slot, std::vector<StepTime>& times) const {

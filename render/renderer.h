@@ -10,6 +10,7 @@
 #include "render/overlay_pass.h"
 #include "render/post/rescale.h"
 #include "render/post/unseen.h"
+#include "render/post/resolve_pass.h"
 #include "render/quality.h"
 #include "render/readback.h"
 #include "render/target.h"
@@ -104,7 +105,6 @@ class Renderer {
     void recordCommands(Eye& eye, const scene::View& view, const Quality& quality, const EyeOutput& output,
                         std::size_t slot, int index);
     void recordKeeping(VkCommandBuffer commands, Eye& eye, std::size_t slot) const;
-    void recordResolve(VkCommandBuffer commands, const Eye& eye, VkDescriptorSet eyeSet, const HoleFill& holes) const;
     void readTimes(std::size_t slot, std::vector<StepTime>& times) const;
 
     const Device& device_;
@@ -113,7 +113,7 @@ class Renderer {
     DescriptorSetLayout eyeLayout_;
     WarpPasses warps_;
     BlendPass blend_;
-    ComputePipeline resolve_;
+    ResolvePass resolve_;
     RescalePass rescale_;
     DepthPass depthPass_;
     OverlayPass overlay_;
