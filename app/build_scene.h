@@ -3,6 +3,7 @@
 
 #include "scene/project/cube_faces.h"
 #include "scene/project/dropouts.h"
+#include "scene/pyramid.h"
 #include "scene/refine/fusion.h"
 #include "scene/refine/redundancy.h"
 #include "scene/refine/skins.h"
@@ -21,13 +22,13 @@ struct BuildOptions {
     std::size_t memoryBytes = 8ull << 30; ///< pixels held at a time
     bool cull = true;                     ///< false: every sample is kept
     bool fuse = true;                     ///< false: kept samples stay as they were captured
-    int tileSize = scene::kDefaultTileSize;
     scene::CubeFaceOptions cubeFaces;
     scene::DropoutOptions dropouts;
     scene::GuessOptions guesses;
     scene::SkinOptions skins;
     scene::RedundancyOptions redundancy;
     scene::FusionOptions fusion;
+    scene::PyramidOptions pyramid;
 };
 
 /// Builds the scene folder; nothing stands under its name before it is whole. Throws scene::Failure.

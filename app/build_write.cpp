@@ -45,11 +45,13 @@ json describeOptions(const BuildOptions& o) {
     return {{"hold_out", o.holdOut},
             {"cull", o.cull},
             {"fuse", o.fuse},
-            {"tile_size", o.tileSize},
+            {"tile_size", o.pyramid.tileSize},
+            {"mesh_tolerance", o.pyramid.facetTolerance},
             {"skin_planarity", o.skins.planarity},
             {"same_surface", o.skins.comparison.sameSurface},
             {"cull_preference", o.redundancy.preference},
             {"cull_baseline_share", o.redundancy.baselineShare},
+            {"cull_patch", o.redundancy.minPatchShare},
             {"guess_radius", o.guesses.radius},
             {"fusion_angle_rad", o.fusion.angleRadians},
             {"fusion_colour_step", o.fusion.colourStep}};
@@ -147,10 +149,11 @@ void writeScene(const std::filesystem::path& output, const scene::Capture& captu
     try {
         writeImages(part / "images", imported, tiles);
         writeHeldOut(part / scene::kHeldOutFolder, capture, heldOut);
-        std::int64_t tileCount = 0, quads = 0, points = 0;
+        std::int64_t tileCount = 0, coarser = 0, quads = 0, points = 0, facets = 0;
         const auto tilesOf = [&](std::size_t i) {
             scene::TileSet set = scene::unpackTiles(readWhole(tiles.blocks[i]), tiles.blocks[i].string());
             tileCount += std::ssize(set.tiles), quads += std::ssize(set.quads);
+            coarser += std::ssize(set.coarser), facets += std::ssize(set.facets);
             for (const scene::Tile& tile : set.tiles)
                 points += tile.pointCount;
             return set;
@@ -194,6 +197,8 @@ void writeScene(const std::filesystem::path& output, const scene::Capture& captu
                         {"scan_points_held", imported.scanPoints.held},
                         {"scan_points_dropped", imported.scanPoints.dropped},
                         {"tiles", tileCount},
+                        {"tiles_coarser", coarser},
+                        {"facets_stored", facets},
                         {"points_stored", points},
                         {"quads_stored", quads}}}};
         writeWhole(part / "scene.json", textOf(manifest));

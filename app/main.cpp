@@ -60,6 +60,11 @@ void addBuild(CLI::App& program, app::BuildOptions& options, std::string& memory
         ->check(CLI::Range(0.0, 10.0))
         ->capture_default_str();
     build
+        ->add_option("--cull-patch", options.redundancy.minPatchShare,
+                     "a tile is kept again, whole, where at least this share of it is wanted")
+        ->check(CLI::Range(0.0, 1.0))
+        ->capture_default_str();
+    build
         ->add_option("--same-surface", options.skins.comparison.sameSurface,
                      "relative difference in depth up to which two images mean the same surface")
         ->check(CLI::Range(1e-5, 0.5))
@@ -70,7 +75,12 @@ void addBuild(CLI::App& program, app::BuildOptions& options, std::string& memory
                      "filled unless another image confirms it; 0: never")
         ->check(CLI::Range(0, 100))
         ->capture_default_str();
-    build->add_option("--tile-size", options.tileSize, "samples along the side of a tile")
+    build
+        ->add_option("--mesh-tolerance", options.pyramid.facetTolerance,
+                     "share of depth by which the adaptive mesh may leave the samples")
+        ->check(CLI::Range(0.0, 0.1))
+        ->capture_default_str();
+    build->add_option("--tile-size", options.pyramid.tileSize, "samples along the side of a tile")
         ->check(CLI::Range(1, scene::kMaxTileSize))
         ->capture_default_str();
     build->add_option("--memory", memory, "pixels held at a time, e.g. 8G")->capture_default_str();
@@ -249,7 +259,7 @@ int run(int argc, char** argv) {
         return program.exit(e) == 0 ? kDone : kWrongUsage;
     }
     buildOptions.redundancy.comparison = buildOptions.fusion.comparison = buildOptions.skins.comparison;
-    buildOptions.redundancy.tileSize = buildOptions.tileSize;
+    buildOptions.redundancy.tileSize = buildOptions.pyramid.tileSize;
 
     std::optional<tbb::global_control> limit;
     if (threads > 0) limit.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));

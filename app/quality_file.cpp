@@ -19,8 +19,11 @@ using render::Quality;
 struct WarpName {
     const char* name;
     render::Warp warp;
+    bool isBlended;
 };
-constexpr std::array kWarpNames{WarpName{"points", render::Warp::points}, WarpName{"mesh", render::Warp::mesh}};
+constexpr std::array kWarpNames{WarpName{"points", render::Warp::points, false},
+                                WarpName{"mesh", render::Warp::mesh, false},
+                                WarpName{"blended", render::Warp::mesh, true}};
 
 /// As few digits as tell the number apart from its neighbours: 0.07 and not 0.0700000003.
 template <class T>
@@ -81,13 +84,13 @@ Knob warpKnob() {
     knob.values = "one of " + listed(knob.names);
     knob.get = [](const Quality& q) -> json {
         return std::find_if(kWarpNames.begin(), kWarpNames.end(),
-                            [&](const WarpName& row) { return row.warp == q.warp; })
+                            [&](const WarpName& row) { return row.warp == q.warp && row.isBlended == q.isBlended; })
             ->name;
     };
     knob.set = [](Quality& q, const json& value) {
         for (const WarpName& row : kWarpNames)
             if (value == row.name) {
-                q.warp = row.warp;
+                q.warp = row.warp, q.isBlended = row.isBlended;
                 return true;
             }
         return false;
@@ -114,6 +117,9 @@ std::vector<Knob> makeKnobs() {
         number(
             "footprint_scale", "", "points: width of the square over what closes the holes within one surface",
             {0.1, 10}, {0.8, 1.25}, [](auto& q) -> auto& { return q.footprintScale; }),
+        number(
+            "hole_radius", "pixels", "pixels that no sample reached are filled from surfaces this far about; 0: never",
+            {0, 16}, {0, 1, 8}, [](auto& q) -> auto& { return q.holes.radius; }),
     };
 }
 
@@ -122,6 +128,7 @@ Quality drawn(render::Warp warp, double resolutionScale) {
     quality.warp = warp;
     quality.resolutionScale = resolutionScale;
     quality.preference = {};
+    quality.holes.radius = 4;
     return quality;
 }
 

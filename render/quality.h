@@ -1,6 +1,8 @@
 #pragma once
 // Every knob that trades speed for accuracy while drawing.
 
+#include "render/shaders/shared/hole_fill.h"
+#include "scene/blend.h"
 #include "scene/preference.h"
 
 namespace render {
@@ -27,9 +29,21 @@ struct Quality {
     /// the nearest in plain z order.
     scene::PreferenceOptions preference{.nearBaseline = 0};
 
+    /// Where no image ever looked is shown as unseen, in a scene that knows (GpuCoverage). False: as emptiness.
+    bool showUnseen = true;
+
+    /// An eye that stands in unseen space itself looks through as much of it, metres of depth; 0: through none.
+    double unseenPocketMetres = 1;
+    /// Pixels that no sample reached, between two ends of one surface, are filled from as far as this. Off unless asked
+    /// for, as the preference is.
+    HoleFill holes{.radius = 0, .sameSurface = 0.03f, .sameColour = 255, .pinholeDepth = 0};
     /// Pixels along a side of what the scene is warped into, over those of the eye's picture. Below 1 it is faster and
     /// softer; above 1 each pixel is the mean of several (supersampling), which smooths edges.
     double resolutionScale = 1.0;
+    /// A second pass shows at every pixel the mean of all samples that stand at the surface `warp` found: the best
+    /// pictures, for several times the time.
+    bool isBlended = false;
+    scene::BlendOptions blend; ///< of that pass
 };
 
 } // namespace render

@@ -13,7 +13,8 @@ namespace {
 
 /// How far outside the image a sample may stand and still touch it.
 double marginOf(const Quality& quality) {
-    return quality.warp == Warp::points ? 0.5 * quality.maxFootprint + 1.0 : 1.0;
+    const double margin = quality.warp == Warp::points ? 0.5 * quality.maxFootprint + 1.0 : 1.0;
+    return quality.isBlended ? std::max(margin, static_cast<double>(quality.blend.maxRadius) + 1.0) : margin;
 }
 
 constexpr VkPipelineStageFlags kCompute = VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT;
@@ -37,14 +38,18 @@ std::uint32_t resolveWorkgroupSize(const Device& device) {
 
 } // namespace
 
-Renderer::Renderer(const Device& device, const GpuScene& scene, int width, int height, int eyes)
+Renderer::Renderer(const Device& device, const GpuScene& scene, int width, int height, int eyes,
+                   const GpuCoverage* coverage)
     : device_(device), scene_(scene), width_(width), height_(height),
       eyeLayout_(makeEyeLayout(device)), warps_{makeWarpPass(device, Warp::points, scene.pageLayout(), eyeLayout_),
                                                 makeWarpPass(device, Warp::mesh, scene.pageLayout(), eyeLayout_)},
+      blend_(makeBlendPass(device, scene.pageLayout(), eyeLayout_)),
       resolve_(makeComputePipeline(device, kResolveCode, std::array<VkDescriptorSetLayout, 1>{eyeLayout_},
                                    sizeof(ResolveConstants), std::array{resolveWorkgroupSize(device)})),
       rescale_(makeRescalePass(device)), depthPass_(makeDepthPass(device)),
-      overlay_(makeOverlayPass(device, eyeLayout_)), streams_(device, eyes) {
+      overlay_(makeOverlayPass(device, eyeLayout_)), coverage_(coverage),
+      unseen_(coverage != nullptr ? makeUnseenPipeline(device, *coverage, eyeLayout_) : ComputePipeline{}),
+      streams_(device, eyes) {
     assert(width > 0 && height > 0 && eyes >= 1 && eyes <= kMaxEyes);
     for (int eye = 0; eye < eyes; ++eye)
         eyes_.push_back({.target = makeEyeTarget(device, eyeLayout_, width, height, scene.tiles().size()),
@@ -64,11 +69,12 @@ FrameStats Renderer::draw(std::span<const scene::View> views, const Quality& qua
     }
 
     chooseResolution(quality);
+    makeRoomToBlend(quality);
     tbb::parallel_for(std::size_t{0}, eyes_.size(), [&](std::size_t i) {
         const int index = static_cast<int>(i);
         prepare(eyes_[i], views[i], quality, slot, index);
         prepareOverlay(eyes_[i], views[i], overlay != nullptr ? *overlay : Overlay{}, slot, index);
-        recordCommands(eyes_[i], quality, outputs.empty() ? EyeOutput{} : outputs[i], slot, index);
+        recordCommands(eyes_[i], views[i], quality, outputs.empty() ? EyeOutput{} : outputs[i], slot, index);
     });
     keptFrames_[slot].reset();
     if (keepsNext_) keptFrames_[slot] = frames_;
@@ -85,12 +91,27 @@ FrameStats Renderer::draw(std::span<const scene::View> views, const Quality& qua
             counts.tilesRejected -= count;
         counts.tilesDrawn = eye.list.tiles;
         counts.samplesDrawn = eye.list.items;
+        counts.samplesBlended = quality.isBlended ? eye.blendList.items : 0;
         counts.overlayStrokes = static_cast<std::uint32_t>(eye.overlay.strokes.size());
         counts.overlayDropped = eye.overlay.dropped;
     }
     ++frames_;
     last_ = stats;
     return stats;
+}
+
+void Renderer::makeRoomToBlend(const Quality& quality) {
+    if (!quality.isBlended) return;
+    for (Eye& eye : eyes_) {
+        const int roomWidth = std::max(eye.warpWidth, width_), roomHeight = std::max(eye.warpHeight, height_);
+        if (eye.blend &&
+            eye.blend->pixels >= static_cast<std::size_t>(roomWidth) * static_cast<std::size_t>(roomHeight))
+            continue;
+        for (std::size_t slot = 0; slot < kFramesInFlight; ++slot)
+            streams_.wait(slot); // the one that goes may be in use
+        eye.blend.reset();
+        eye.blend = makeBlendTarget(device_, blend_, roomWidth, roomHeight, scene_.tiles().size());
+    }
 }
 
 void Renderer::chooseResolution(const Quality& quality) {
@@ -131,6 +152,9 @@ void Renderer::prepare(Eye& eye, const scene::View& given, const Quality& qualit
     timed(eye.times, "list", index, [&] {
         buildDrawList(scene_.tiles(), scene_.bounds(), scene_.pieces(), eye.eyeImagesFromSources, eye.eyeFromCameras,
                       eye.visible, quality, eye.warped().draws[slot].as<TileDraw>(), eye.list);
+        if (!quality.isBlended) return;
+        buildBlendList(scene_.tiles(), scene_.bounds(), scene_.pieces(), eye.eyeImagesFromSources, eye.eyeFromCameras,
+                       eye.visible, quality.blend, eye.blend->draws[slot].as<BlendDraw>(), eye.blendList);
     });
 }
 
@@ -148,7 +172,8 @@ void Renderer::prepareOverlay(Eye& eye, const scene::View& view, const Overlay& 
     });
 }
 
-void Renderer::recordCommands(Eye& eye, const Quality& quality, const EyeOutput& output, std::size_t slot, int index) {
+void Renderer::recordCommands(Eye& eye, const scene::View& view, const Quality& quality, const EyeOutput& output,
+                              std::size_t slot, int index) {
     timed(eye.times, "record", index, [&] {
         const VkCommandBuffer commands = streams_.begin(slot, index);
         const VkDescriptorSet eyeSet = eye.warped().sets[slot];
@@ -167,9 +192,29 @@ void Renderer::recordCommands(Eye& eye, const Quality& quality, const EyeOutput&
         record(commands, kAfterWarp);
         timer.mark(commands, "warp");
 
-        recordResolve(commands, eye, eyeSet);
+        if (quality.isBlended) {
+            recordBlend(commands, blend_, scene_, eyeSet, *eye.blend, slot, eye.blendList.runs, eye.warpWidth,
+                        eye.warpHeight);
+            record(commands, kAfterWarp);
+            timer.mark(commands, "blend");
+        }
+
+        recordResolve(commands, eye, eyeSet, quality.holes);
+        if (quality.isBlended) {
+            record(commands, kBetweenPictures);
+            recordBlendResolve(commands, blend_, eyeSet, *eye.blend, slot, eye.warpWidth, eye.warpHeight);
+        }
         record(commands, kAfterResolve);
         timer.mark(commands, "resolve");
+
+        if (coverage_ != nullptr && quality.showUnseen) {
+            record(commands, kBetweenPictures);
+            recordUnseen(commands, unseen_, *coverage_, eyeSet,
+                         scene::View{scene::resized(view.camera, eye.warpWidth, eye.warpHeight), view.worldFromEye},
+                         quality);
+            record(commands, kAfterResolve);
+            timer.mark(commands, "unseen");
+        }
 
         if (eye.isScaled) {
             record(commands, kBetweenPictures);
@@ -205,8 +250,9 @@ void Renderer::recordKeeping(VkCommandBuffer commands, Eye& eye, std::size_t slo
     record(commands, kAfterKeeping);
 }
 
-void Renderer::recordResolve(VkCommandBuffer commands, const Eye& eye, VkDescriptorSet eyeSet) const {
-    const ResolveConstants constants{static_cast<std::uint32_t>(eye.warpWidth)};
+void Renderer::recordResolve(VkCommandBuffer commands, const Eye& eye, VkDescriptorSet eyeSet,
+                             const HoleFill& holes) const {
+    const ResolveConstants constants{eye.warpWidth, eye.warpHeight, holes};
     vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, resolve_.pipeline);
     vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, resolve_.layout, 0, 1, &eyeSet, 0, nullptr);
     vkCmdPushConstants(commands, resolve_.layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof constants, &constants);

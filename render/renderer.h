@@ -1,5 +1,5 @@
 #pragma once
-// Scene and views to pixels: cull, warp, resolve, overlay, submit.
+// Scene and views to pixels: cull, warp, resolve, unseen, overlay, submit.
 
 #include "render/command_streams.h"
 #include "render/depth_pass.h"
@@ -9,10 +9,12 @@
 #include "render/output.h"
 #include "render/overlay_pass.h"
 #include "render/post/rescale.h"
+#include "render/post/unseen.h"
 #include "render/quality.h"
 #include "render/readback.h"
 #include "render/target.h"
 #include "render/timing.h"
+#include "render/warp/blend_pass.h"
 #include "render/warp/warp_pass.h"
 #include "scene/view.h"
 
@@ -26,15 +28,16 @@ namespace render {
 
 struct EyeCounts {
     std::uint32_t tilesTested = 0, tilesRejected = 0, tilesDrawn = 0;
-    std::uint64_t samplesDrawn = 0; ///< points, or squares of the mesh
+    std::uint64_t samplesDrawn = 0;   ///< points, or squares of the mesh
+    std::uint64_t samplesBlended = 0; ///< of the second pass, if there was one
     std::uint32_t overlayStrokes = 0, overlayDropped = 0;
 };
 
 struct FrameStats {
     std::uint64_t frame = 0;
     std::vector<StepTime> cpu; ///< wait, cull, list, overlay, record, submit
-    std::vector<StepTime> gpu; ///< clear, warp, resolve, rescale, overlay; of the frame gpuFrame, empty while none has
-                               ///< finished
+    std::vector<StepTime> gpu; ///< clear, warp, blend, resolve, unseen, rescale, overlay; of the frame gpuFrame, empty
+                               ///< while none has finished
     std::uint64_t gpuFrame = 0;
     std::array<EyeCounts, kMaxEyes> eyes{};
 };
@@ -44,7 +47,9 @@ struct FrameStats {
 class Renderer {
   public:
     /// Throws scene::Failure if the device cannot hold or see images of that size.
-    Renderer(const Device& device, const GpuScene& scene, int width, int height, int eyes);
+    /// coverage: what was observed, if that is known; must outlive the renderer, too.
+    Renderer(const Device& device, const GpuScene& scene, int width, int height, int eyes,
+             const GpuCoverage* coverage = nullptr);
 
     /// Sends a frame to the device. Waits only for the frame two before. The cameras must have the renderer's
     /// size. outputs: where the finished eyes are copied to, one each, or none.
@@ -87,6 +92,8 @@ class Renderer {
         std::vector<ImagePlanes> planes{};
         VisibleTiles visible{};
         DrawList list{};
+        BlendList blendList{};
+        std::optional<BlendTarget> blend{}; ///< made when first wanted
         std::vector<StepTime> times{};
         std::array<Buffer, kFramesInFlight> kept{}; ///< copies of the colours; made when first wanted
         std::optional<DepthBuffers> depth{};        ///< made when first wanted
@@ -94,11 +101,13 @@ class Renderer {
         std::array<OverlayBuffers, kFramesInFlight> overlayBuffers{}; ///< made when first wanted
     };
     void chooseResolution(const Quality& quality);
+    void makeRoomToBlend(const Quality& quality);
     void prepare(Eye& eye, const scene::View& view, const Quality& quality, std::size_t slot, int index);
     void prepareOverlay(Eye& eye, const scene::View& view, const Overlay& overlay, std::size_t slot, int index);
-    void recordCommands(Eye& eye, const Quality& quality, const EyeOutput& output, std::size_t slot, int index);
+    void recordCommands(Eye& eye, const scene::View& view, const Quality& quality, const EyeOutput& output,
+                        std::size_t slot, int index);
     void recordKeeping(VkCommandBuffer commands, Eye& eye, std::size_t slot) const;
-    void recordResolve(VkCommandBuffer commands, const Eye& eye, VkDescriptorSet eyeSet) const;
+    void recordResolve(VkCommandBuffer commands, const Eye& eye, VkDescriptorSet eyeSet, const HoleFill& holes) const;
     void readTimes(std::size_t slot, std::vector<StepTime>& times) const;
 
     const Device& device_;
@@ -106,10 +115,13 @@ class Renderer {
     int width_, height_;
     DescriptorSetLayout eyeLayout_;
     std::array<WarpPass, 2> warps_; ///< by Warp
+    BlendPass blend_;
     ComputePipeline resolve_;
     RescalePass rescale_;
     DepthPass depthPass_;
     OverlayPass overlay_;
+    const GpuCoverage* coverage_;
+    ComputePipeline unseen_; ///< where there is coverage
     std::vector<Eye> eyes_;
     std::uint64_t frames_ = 0; ///< drawn so far
     bool keepsNext_ = false;

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <string>
 
 namespace render {
 
@@ -14,13 +13,6 @@ namespace {
 
 constexpr std::array kEyeBindings{Binding::storage, Binding::storage, Binding::storage, Binding::storage,
                                   Binding::texels};
-
-void requireRange(const Device& device, std::size_t bytes, const std::string& what, const std::string& remedy) {
-    if (bytes <= device.limits().maxStorageBufferRange) return;
-    throw scene::Failure(what + " takes " + std::to_string(bytes) + " bytes, more than the " +
-                             std::to_string(device.limits().maxStorageBufferRange) + " a shader can see",
-                         device.name(), remedy);
-}
 
 void requireTexels(const Device& device, std::size_t texels) {
     if (texels <= device.limits().maxTexelBufferElements) return;
@@ -30,6 +22,13 @@ void requireTexels(const Device& device, std::size_t texels) {
 }
 
 } // namespace
+
+void requireRange(const Device& device, std::size_t bytes, const std::string& what, const std::string& remedy) {
+    if (bytes <= device.limits().maxStorageBufferRange) return;
+    throw scene::Failure(what + " takes " + std::to_string(bytes) + " bytes, more than the " +
+                             std::to_string(device.limits().maxStorageBufferRange) + " a shader can see",
+                         device.name(), remedy);
+}
 
 DescriptorSetLayout makeEyeLayout(const Device& device) {
     return makeSetLayout(device, kEyeBindings);

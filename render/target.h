@@ -7,6 +7,7 @@
 
 #include <array>
 #include <cstddef>
+#include <string>
 
 namespace render {
 
@@ -26,6 +27,9 @@ struct EyeTarget {
     DescriptorPool pool;
     std::array<VkDescriptorSet, kFramesInFlight> sets{};
 };
+
+/// Throws scene::Failure if a shader cannot see so many bytes of `what`, and says the remedy.
+void requireRange(const Device& device, std::size_t bytes, const std::string& what, const std::string& remedy);
 
 /// maxDraws: tiles of the scene. Throws scene::Failure if the device cannot see such an image or list at
 /// once.

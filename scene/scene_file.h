@@ -9,7 +9,8 @@
 //
 //     offset 0    FileHeader: magic "RVTILES" 0, version, byte order mark, number of blocks, file size, checksum of the
 //     header offset 64   BlockEntry for each image: offset, counts, checksum of the block; then the checksum of the
-//     table from there  blocks, each on a multiple of 64: Tile[], TileVertex[], TileQuad[] (scene/tile.h), zero bytes
+//     table from there  blocks, each on a multiple of 64: Tile[], Tile[] of coarser levels, TileVertex[], TileQuad[],
+//                 TileFacet[], TileTexel[] (scene/tile.h), zero bytes
 //     between
 //
 // Little-endian. Checksums are XXH3-64. Every block is checked before it is believed: checksum, counts, and every index

@@ -50,8 +50,31 @@ inline constexpr std::uint32_t kQuadIndexMask = 0x7fff;
 enum class Tier : std::uint8_t { base = 0, directional = 1, guess = 2 };
 inline constexpr int kTiers = 3;
 
-/// firstVertex and firstQuad count within the image's block. The first pointCount vertices are kept samples; the rest
-/// is border, which only the mesh uses. The extremes are over all vertices.
+/// A rectangle of mesh squares that lie in one plane, within the tolerance it was made with: one piece of the adaptive
+/// mesh (scene/facets.h). mark: x | y << 6 of its top left vertex | log2 of its side in squares << 12, and which halves
+/// are drawn: kFacetUpper and kFacetLower as in a square. Over it quantised disparity is q + x perX + y perY, x and y
+/// from its top left vertex.
+struct TileFacet {
+    std::uint32_t mark = 0;
+    float q = 0, perX = 0, perY = 0;
+    friend bool operator==(const TileFacet&, const TileFacet&) = default;
+};
+static_assert(sizeof(TileFacet) == 16);
+inline constexpr std::uint32_t kFacetUpper = 1u << 16, kFacetLower = 1u << 17;
+
+/// What facets are textured with: the colour of a sample and of the one to its right (r | g << 8 | b << 16), so that
+/// two reads give the four about any place.
+struct TileTexel {
+    std::uint32_t here = 0, right = 0;
+    friend bool operator==(const TileTexel&, const TileTexel&) = default;
+};
+static_assert(sizeof(TileTexel) == 8);
+
+/// firstVertex, firstQuad, firstFacet and firstTexel count within the image's block. The first pointCount vertices are
+/// kept samples; the rest is border, which only the mesh uses. The extremes are over all vertices.
+///
+/// A tile of level L stands in the image halved L times (scene/pyramid.h): x0, y0 and its vertices count that image's
+/// samples.
 struct Tile {
     std::int32_t x0 = 0, y0 = 0; ///< first sample in the image
     float minDisparity = 0, maxDisparity = 0;
@@ -59,10 +82,19 @@ struct Tile {
     std::uint32_t firstQuad = 0, quadCount = 0;
     std::uint8_t width = 0, height = 0; ///< in samples; vertices have x <= width, y <= height
     Tier tier = Tier::base;
-    std::uint8_t placeBits = kPlaceBits; ///< kPlaceBits, or kScrapPlaceBits
+    std::uint8_t placeBits = kPlaceBits;          ///< kPlaceBits, or kScrapPlaceBits
+    std::uint32_t firstFacet = 0, facetCount = 0; ///< none where facets would not pay: then the squares are drawn
+    std::uint32_t firstTexel = 0;                 ///< of width + 1 a row, height + 1 rows, if there are facets
+    std::uint8_t level = 0;
+    std::uint8_t reserved[3] = {0, 0, 0};
     friend bool operator==(const Tile&, const Tile&) = default;
 };
-static_assert(sizeof(Tile) == 40);
+static_assert(sizeof(Tile) == 56);
+
+/// Texels of a tile with facets.
+inline std::uint32_t texelCountOf(const Tile& tile) {
+    return tile.facetCount > 0 ? (tile.width + 1u) * (tile.height + 1u) : 0;
+}
 
 inline std::uint32_t maxQuantisedOf(std::uint32_t placeBits) {
     return (1u << (32 - 2 * placeBits)) - 1;
@@ -80,24 +112,30 @@ inline VertexPlace placeOf(const Tile& tile, const TileVertex& vertex) {
     return {vertex.place & mask, vertex.place >> tile.placeBits & mask, vertex.place >> 2 * tile.placeBits};
 }
 
-/// The tiles of one image, owned.
+inline constexpr int kMaxLevels = 8; ///< the finest included
+
+/// The tiles of one image, owned: those of its own samples, and those of coarser levels, ascending.
 struct TileSet {
-    std::vector<Tile> tiles;
+    std::vector<Tile> tiles, coarser;
     std::vector<TileVertex> vertices;
     std::vector<TileQuad> quads;
+    std::vector<TileFacet> facets;
+    std::vector<TileTexel> texels;
 };
 
 /// The tiles of one image, lent, with the camera that makes them points: what a renderer is given.
 struct TileBlock {
     Camera camera;
     Pose worldFromCamera;
-    std::span<const Tile> tiles;
+    std::span<const Tile> tiles, coarser;
     std::span<const TileVertex> vertices;
     std::span<const TileQuad> quads;
+    std::span<const TileFacet> facets;
+    std::span<const TileTexel> texels;
 };
 
 inline TileBlock lend(const TileSet& set, const Camera& camera, const Pose& worldFromCamera) {
-    return {camera, worldFromCamera, set.tiles, set.vertices, set.quads};
+    return {camera, worldFromCamera, set.tiles, set.coarser, set.vertices, set.quads, set.facets, set.texels};
 }
 
 /// Cuts an image into tiles of tileSize x tileSize samples (1 to kMaxTileSize). A sample is kept if it is drawable and

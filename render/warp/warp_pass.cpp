@@ -37,11 +37,8 @@ WarpPass makeWarpPass(const Device& device, Warp warp, VkDescriptorSetLayout pag
                                 std::array{row.workgroupSize})};
 }
 
-void recordWarp(VkCommandBuffer commands, const WarpPass& pass, const GpuScene& scene, VkDescriptorSet eyeSet,
-                std::span<const DrawRun> runs, int width, int height) {
-    const VkPipelineLayout layout = pass.pipeline.layout;
-    vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pass.pipeline.pipeline);
-    vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, layout, 1, 1, &eyeSet, 0, nullptr);
+void recordRuns(VkCommandBuffer commands, VkPipelineLayout layout, const GpuScene& scene, std::span<const DrawRun> runs,
+                int width, int height) {
     for (const DrawRun& run : runs) {
         const VkDescriptorSet page = scene.pageSet(run.page);
         vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, layout, 0, 1, &page, 0, nullptr);
@@ -51,6 +48,14 @@ void recordWarp(VkCommandBuffer commands, const WarpPass& pass, const GpuScene& 
             vkCmdDispatch(commands, std::min(run.count - done, kMaxWorkgroups), 1, 1);
         }
     }
+}
+
+void recordWarp(VkCommandBuffer commands, const WarpPass& pass, const GpuScene& scene, VkDescriptorSet eyeSet,
+                std::span<const DrawRun> runs, int width, int height) {
+    const VkPipelineLayout layout = pass.pipeline.layout;
+    vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pass.pipeline.pipeline);
+    vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, layout, 1, 1, &eyeSet, 0, nullptr);
+    recordRuns(commands, layout, scene, runs, width, height);
 }
 
 } // namespace render

@@ -20,6 +20,11 @@ struct WarpPass {
 WarpPass makeWarpPass(const Device& device, Warp warp, VkDescriptorSetLayout pageLayout,
                       VkDescriptorSetLayout eyeLayout);
 
+/// Dispatches one workgroup for each tile of the runs, with the page at set 0 of the bound pipeline and WarpConstants
+/// pushed.
+void recordRuns(VkCommandBuffer commands, VkPipelineLayout layout, const GpuScene& scene, std::span<const DrawRun> runs,
+                int width, int height);
+
 /// Draws the runs into the z-buffer of eyeSet: one workgroup per tile.
 void recordWarp(VkCommandBuffer commands, const WarpPass& pass, const GpuScene& scene, VkDescriptorSet eyeSet,
                 std::span<const DrawRun> runs, int width, int height);

@@ -1,0 +1,85 @@
+#include "render/blend_list.h"
+
+#include <glm/geometric.hpp>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <cmath>
+
+namespace render {
+
+namespace {
+
+constexpr std::size_t kDrawsPerTask = 512;
+
+scene::SampleBox boxOf(const TileBounds& bounds, std::uint32_t i) {
+    return {{bounds.xMin[i], bounds.yMin[i], bounds.dMin[i]}, {bounds.xMax[i], bounds.yMax[i], bounds.dMax[i]}};
+}
+
+/// Whether any tile of the piece may be added.
+bool mayCount(const TilePiece& piece, const glm::dvec3& eyeFromCamera, const scene::BlendOptions& options) {
+    return std::isinf(piece.reachMetres) ||
+           scene::mayBeNear(glm::length(eyeFromCamera), piece.reachMetres, {.nearBaseline = options.baseline});
+}
+
+} // namespace
+
+void buildBlendList(std::span<const ResidentTile> tiles, const TileBounds& bounds, std::span<const TilePiece> pieces,
+                    std::span<const glm::dmat4> eyeImagesFromSources, std::span<const glm::dvec3> eyeFromCameras,
+                    const VisibleTiles& visible, const scene::BlendOptions& options, std::span<BlendDraw> draws,
+                    BlendList& list) {
+    const float unit = scene::blendUnitOf(eyeImagesFromSources.size());
+    // Every piece chooses in its own part of the scratch arrays; then the parts are put together in order.
+    list.numbers.resize(tiles.size());
+    list.spots.resize(tiles.size());
+    list.counts.assign(pieces.size(), 0);
+    tbb::parallel_for(std::size_t{0}, pieces.size(), [&](std::size_t p) {
+        const TilePiece& piece = pieces[p];
+        const glm::dvec3& eyeFromCamera = eyeFromCameras[piece.image];
+        if (!mayCount(piece, eyeFromCamera, options)) return;
+        for (std::uint32_t i = 0; i < visible.counts[p]; ++i) {
+            const std::uint32_t number = visible.slots[piece.first + i];
+            const ResidentTile& tile = tiles[number];
+            if (tile.pointCount == 0) continue;
+            const auto spot = scene::blendSpotOf(eyeImagesFromSources[tile.image], boxOf(bounds, number), tile.middle,
+                                                 eyeFromCamera, options);
+            if (!spot || unit * spot->weight < 0.5f) continue; // would count nothing anywhere
+            const std::uint32_t place = piece.first + list.counts[p]++;
+            list.numbers[place] = number;
+            list.spots[place] = *spot;
+        }
+    });
+
+    list.runs.clear();
+    list.items = 0;
+    list.tiles = 0;
+    for (std::size_t p = 0; p < pieces.size(); ++p)
+        for (std::uint32_t i = 0; i < list.counts[p]; ++i) {
+            const std::uint32_t place = pieces[p].first + i, number = list.numbers[place];
+            const ResidentTile& tile = tiles[number];
+            if (list.runs.empty() || list.runs.back().page != tile.page)
+                list.runs.push_back({tile.page, list.tiles, 0});
+            ++list.runs.back().count;
+            list.items += tile.pointCount;
+            list.numbers[list.tiles] = number;
+            list.spots[list.tiles] = list.spots[place];
+            ++list.tiles;
+        }
+
+    const tbb::blocked_range<std::size_t> all(0, list.tiles, kDrawsPerTask);
+    tbb::parallel_for(all, [&](const tbb::blocked_range<std::size_t>& range) {
+        for (std::size_t i = range.begin(); i < range.end(); ++i) {
+            const ResidentTile& tile = tiles[list.numbers[i]];
+            const scene::BlendSpot& spot = list.spots[i];
+            BlendDraw draw;
+            draw.tile = tileDrawOf(eyeImagesFromSources[tile.image], tile);
+            draw.tile.span.y = tile.firstVertex;
+            draw.tile.span.z = tile.pointCount;
+            draw.spot = vec4(spot.xx, spot.xy, spot.yy, unit * spot.weight);
+            draw.reach = vec4(spot.reachX, spot.reachY, options.depthTolerance, 0.0f);
+            draws[i] = draw;
+        }
+    });
+}
+
+} // namespace render

@@ -1,0 +1,30 @@
+#pragma once
+// The tiles whose samples the second pass of the blended warp adds (scene/blend.h), for one eye.
+
+#include "render/draw_list.h"
+#include "render/shaders/shared/blend.h"
+#include "scene/blend.h"
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace render {
+
+struct BlendList {
+    std::vector<DrawRun> runs;
+    std::uint32_t tiles = 0;
+    std::uint64_t items = 0; ///< samples
+    /// Scratch, kept from frame to frame: the tiles to draw, what their samples become, how many of each piece.
+    std::vector<std::uint32_t> numbers;
+    std::vector<scene::BlendSpot> spots;
+    std::vector<std::uint32_t> counts;
+};
+
+/// As buildDrawList. images: of the scene; eyeImagesFromSources and eyeFromCameras have one of each.
+void buildBlendList(std::span<const ResidentTile> tiles, const TileBounds& bounds, std::span<const TilePiece> pieces,
+                    std::span<const glm::dmat4> eyeImagesFromSources, std::span<const glm::dvec3> eyeFromCameras,
+                    const VisibleTiles& visible, const scene::BlendOptions& options, std::span<BlendDraw> draws,
+                    BlendList& list);
+
+} // namespace render

@@ -1,0 +1,72 @@
+#ifndef RENDER_SHADERS_SHARED_BLEND_H
+#define RENDER_SHADERS_SHARED_BLEND_H
+// The second pass of the blended warp: samples that stand at the front surface are added up, as whole numbers, so that
+// the order does not matter. scene/blend.h says what is added and why.
+//
+// A pixel's sums are four numbers of 32 bits, two in each 64-bit word: red | green << 32, blue | weight << 32.
+
+#include "render/shaders/shared/tile_draw.h"
+#include "render/shaders/shared/z_key.h"
+
+SHARED_BEGIN
+
+/// A tile of the second pass: order level 0, so that its disparities are those of the eye.
+struct BlendDraw {
+    TileDraw tile;
+    vec4 spot;  ///< xx, xy, yy as in scene::BlendSpot; and the weight of its centre as a whole number
+    vec4 reach; ///< half the sides of the spot's box, pixels; tolerance of disparity; nothing
+};
+
+#ifdef __cplusplus
+static_assert(sizeof(BlendDraw) == 112);
+#endif
+
+/// The eye disparity at a pixel of the first pass.
+SHARED_FUNCTION float frontDisparityOf(uvec2 key) {
+    PRECISE float scale = 1.0f + float((key.x >> 2) & 63u) / 63.0f;
+    PRECISE float disparity = uintBitsToFloat(key.y) * scale;
+    return disparity;
+}
+
+/// Whether a sample of that disparity and class is part of the front surface.
+SHARED_FUNCTION bool isAtFront(float disparity, uint pixelClass, uvec2 key, float tolerance) {
+    float front = frontDisparityOf(key);
+    PRECISE float difference = disparity - front;
+    PRECISE float most = tolerance * front;
+    return (key.x & 3u) == pixelClass && abs(difference) <= most;
+}
+
+/// What a sample counts at a pixel whose centre stands offset pixels from it; 0: nothing.
+SHARED_FUNCTION uint countOf(vec4 spot, vec2 offset) {
+    PRECISE float q = spot.x * offset.x * offset.x + spot.y * offset.x * offset.y + spot.z * offset.y * offset.y;
+    PRECISE float rest = max(1.0f - q, 0.0f);
+    PRECISE float count = spot.w * rest * rest + 0.5f;
+    return uint(int(count));
+}
+
+/// The pixels that a spot at a position may touch, first and end, along one side of an image of that size.
+SHARED_FUNCTION ivec2 touchedBy(float position, float reach, float size) {
+    PRECISE float first = ceil(position - reach - 0.5f);
+    PRECISE float end = floor(position + reach + 0.5f);
+    // Clamped as floats: far outside, the conversion to int is undefined.
+    return ivec2(int(clamp(first, 0.0f, size)), int(clamp(end, 0.0f, size)));
+}
+
+/// What is added to the two words of a pixel, each as (low, high). colour: r | g << 8 | b << 16.
+SHARED_FUNCTION uvec2 redGreenOf(uint colour, uint count) {
+    return uvec2((colour & 255u) * count, ((colour >> 8) & 255u) * count);
+}
+SHARED_FUNCTION uvec2 blueWeightOf(uint colour, uint count) {
+    return uvec2(((colour >> 16) & 255u) * count, count);
+}
+
+/// r | g << 8 | b << 16: the mean. Something must have been added.
+SHARED_FUNCTION uint meanColourOf(uvec2 redGreen, uvec2 blueWeight) {
+    uint weight = blueWeight.y, halfWeight = weight / 2u;
+    uint red = (redGreen.x + halfWeight) / weight, green = (redGreen.y + halfWeight) / weight;
+    return red | (green << 8) | (((blueWeight.x + halfWeight) / weight) << 16);
+}
+
+SHARED_END
+
+#endif

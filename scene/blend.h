@@ -1,0 +1,69 @@
+#pragma once
+// The quality end: what is shown at a pixel is the mean of all samples that mean its surface, each with its confidence.
+//
+// Two passes. The first finds the front surface of every pixel (scene/warp.h). The second warps the samples of all
+// images that look from about there once more, and adds those that stand at the front surface's depth. Sums are whole
+// numbers, so that they do not depend on the order of adding.
+//
+// A sample is an elliptical spot that falls off smoothly from its centre (Heckbert: "Fundamentals of texture mapping
+// and image warping", 1989, section 3.5, elliptical weighted averages; Zwicker, Pfister, van Baar, Gross: "Surface
+// splatting", 2001): its pixel's outline as the eye sees it, wide enough that neighbours overlap, and never narrower
+// than the eye's own pixels. A spot counts by its area, so that each image counts alike however densely it samples;
+// what makes images count differently is where they were taken from (Buehler, Bosse, McMillan, Gortler, Cohen:
+// "Unstructured lumigraph rendering", 2001, section 4: angle first).
+
+#include "scene/footprint.h"
+#include "scene/preference.h"
+#include "scene/warp.h"
+
+#include <cstddef>
+#include <optional>
+
+namespace scene {
+
+struct BlendOptions {
+    /// Images taken from farther from the eye than this share of the eye's distance to the surface are left out.
+    float baseline = 1.5f;
+    /// At this share of the distance an image counts a quarter of one taken from where the eye is.
+    float quarterBaseline = 0.03f;
+    /// Relative difference in disparity up to which a sample means the front surface. Wide, because of two surfaces
+    /// that a registered camera confuses the nearest image is right about the edge.
+    float depthTolerance = 0.1f;
+    float samplesRadius = 1.4f; ///< of a spot, in samples of its image
+    float pixelsRadius = 0.7f;  ///< what that is widened by, in the eye's pixels
+    float maxRadius = 16.f;     ///< spots that reach farther, pixels, are left out: the front surface is shown alone
+};
+
+/// The spot that every sample of a tile becomes. At an offset (x, y) from its centre, pixels, it counts
+/// weight (1 - q)^2 where q = xx x^2 + xy x y + yy y^2 is less than 1.
+struct BlendSpot {
+    float xx = 0, xy = 0, yy = 0; ///< 1 / pixels^2
+    float reachX = 0, reachY = 0; ///< half the sides of the box around it, pixels
+    float weight = 0;             ///< greater than 0; at most 1
+};
+
+/// What a tile's samples become for an eye that stands eyeFromCamera (metres, in the world) away from its camera; none
+/// if they are left out. box: where its samples lie.
+std::optional<BlendSpot> blendSpotOf(const glm::dmat4& eyeImageFromSourceImage, const SampleBox& box,
+                                     const TileMiddle& middle, const glm::dvec3& eyeFromCamera,
+                                     const BlendOptions& options);
+
+/// What weight 1 is as a whole number: as fine as the sums allow that 32 bits hold, if so many images were all taken
+/// from where the eye is and eight samples of each fell where one is expected.
+float blendUnitOf(std::size_t images);
+
+/// Sums of a pixel: over all samples, weight times channel, and weight, as whole numbers.
+struct BlendSums {
+    std::uint32_t red = 0, green = 0, blue = 0, weight = 0;
+    friend bool operator==(const BlendSums&, const BlendSums&) = default;
+};
+
+/// Adds the samples of all tiles that stand at the front surface of zBuffer (of the eye's size) and have its class.
+/// Parallel; the sums do not depend on the number of threads.
+Image<BlendSums> warpBlend(std::span<const TileBlock> blocks, const View& eye, const BlendOptions& options,
+                           const ZBuffer& zBuffer);
+
+/// As resolve of the z-buffer alone, with the mean colour wherever anything was added.
+EyeImage resolve(const ZBuffer& zBuffer, const Image<BlendSums>& sums);
+
+} // namespace scene
