@@ -194,6 +194,7 @@ std::vector<Preset> sweepFrom(const render::Quality& start, const std::vector<st
                 names += (names.empty() ? "" : ", ") + knob.name;
             throw scene::Failure("is no knob", "--sweep " + name, "choose from " + names);
         }
+    const auto warpOf = [](const render::Quality& quality) { return toJson(quality).at("warp").get<std::string>(); };
     std::vector<Preset> settings;
     const auto add = [&](const std::string& name, const render::Quality& quality) {
         const json knobs = toJson(quality);
@@ -206,6 +207,7 @@ std::vector<Preset> sweepFrom(const render::Quality& start, const std::vector<st
     add("as asked", start);
     for (const Knob& knob : knobs()) {
         if (!knobNames.empty() && std::find(knobNames.begin(), knobNames.end(), knob.name) == knobNames.end()) continue;
+        if (!knob.warp.empty() && warpOf(start) != knob.warp) continue;
         for (const json& value : knob.tried) {
             render::Quality quality = start;
             knob.set(quality, value);
