@@ -173,6 +173,11 @@ void addWalk(CLI::App& program, app::WalkOptions& options, std::string& size, st
                      "frames a second: along the path without a display (default 90); of a headset, the nearest it "
                      "offers")
         ->check(CLI::Range(1.0, 1000.0));
+    walk->add_flag_callback(
+        "--hold-rate", [&] { options.holdsRate = true; },
+        "give up quality while --rate is not held; so it is anyway, except with --headless");
+    walk->add_flag_callback(
+        "--fixed-quality", [&] { options.holdsRate = false; }, "draw as asked, however long it takes");
     walk->add_option("--size", size, "WxH of an eye without a display; default 640x480");
     addDrawOptions(*walk, options.draw);
     walk->add_option("--memory", memory, "what the scene may take, e.g. 8G")->capture_default_str();

@@ -61,6 +61,8 @@ class Renderer {
     /// Waits for the last frame and tells about it, its own times on the device included.
     FrameStats finish();
 
+    /// Drawn so far: the number of the next one.
+    std::uint64_t frames() const { return frames_; }
     int width() const { return width_; }
     int height() const { return height_; }
     int eyes() const { return static_cast<int>(eyes_.size()); }
