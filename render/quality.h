@@ -29,7 +29,7 @@ struct Quality {
     /// A second pass shows at every pixel the mean of all samples that stand at the surface `warp` found: the best
     /// pictures, for several times the time.
     bool isBlended = false;
-    scene::BlendOptions blend; ///< of that pass
+    scene::BlendOptions blend{}; ///< of that pass
 };
 
 } // namespace render
