@@ -15,7 +15,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr int kRefineVersion = 3;
+constexpr int kRefineVersion = 4;
 
 json describe(const scene::ComparisonOptions& o) {
     return {o.sameSurface, o.pixelError};

@@ -5,11 +5,9 @@
 namespace app {
 
 render::Quality qualityOf(const DrawOptions& o) {
-    render::Quality quality;
-    quality.warp = o.warp == "points" ? render::Warp::points : render::Warp::mesh;
-    quality.isBlended = o.warp == "blended";
-    quality.preference.nearBaseline = static_cast<float>(o.nearBaseline);
-    if (o.maxFootprint > 0) quality.maxFootprint = o.maxFootprint;
+    render::Quality quality = readQuality(o.quality);
+    for (const auto& [name, value] : o.turned)
+        turnKnob(quality, name, value, "the command line");
     return quality;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 // Every knob that trades speed for accuracy while drawing.
 
+#include "render/shaders/shared/hole_fill.h"
 #include "scene/blend.h"
 #include "scene/preference.h"
 
@@ -10,6 +11,8 @@ enum class Warp {
     points, ///< each sample a square of pixels
     mesh    ///< two triangles in each square of four samples
 };
+
+inline constexpr double kMinResolutionScale = 0.1, kMaxResolutionScale = 4;
 
 struct Quality {
     Warp warp = Warp::points;
@@ -25,6 +28,18 @@ struct Quality {
     /// Which of several samples of one surface is shown; directional tiles are drawn only with it. As it stands here:
     /// the nearest in plain z order.
     scene::PreferenceOptions preference{.nearBaseline = 0};
+
+    /// Where no image ever looked is shown as unseen, in a scene that knows (GpuCoverage). False: as emptiness.
+    bool showUnseen = true;
+
+    /// An eye that stands in unseen space itself looks through as much of it, metres of depth; 0: through none.
+    double unseenPocketMetres = 1;
+    /// Pixels that no sample reached, between two ends of one surface, are filled from as far as this. Off unless asked
+    /// for, as the preference is.
+    HoleFill holes{.radius = 0, .sameSurface = 0.03f, .sameColour = 255, .pinholeDepth = 0};
+    /// Pixels along a side of what the scene is warped into, over those of the eye's picture. Below 1 it is faster and
+    /// softer; above 1 each pixel is the mean of several (supersampling), which smooths edges.
+    double resolutionScale = 1.0;
 
     /// A second pass shows at every pixel the mean of all samples that stand at the surface `warp` found: the best
     /// pictures, for several times the time.

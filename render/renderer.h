@@ -1,5 +1,5 @@
 #pragma once
-// Scene and views to pixels: cull, warp, resolve, overlay, submit.
+// Scene and views to pixels: cull, warp, resolve, unseen, overlay, submit.
 
 #include "render/command_streams.h"
 #include "render/depth_pass.h"
@@ -8,6 +8,8 @@
 #include "render/gpu_scene.h"
 #include "render/output.h"
 #include "render/overlay_pass.h"
+#include "render/post/rescale.h"
+#include "render/post/unseen.h"
 #include "render/quality.h"
 #include "render/readback.h"
 #include "render/target.h"
@@ -34,8 +36,8 @@ struct EyeCounts {
 struct FrameStats {
     std::uint64_t frame = 0;
     std::vector<StepTime> cpu; ///< wait, cull, list, overlay, record, submit
-    std::vector<StepTime>
-        gpu; ///< clear, warp, blend, resolve, overlay; of the frame gpuFrame, empty while none has finished
+    std::vector<StepTime> gpu; ///< clear, warp, blend, resolve, unseen, rescale, overlay; of the frame gpuFrame, empty
+                               ///< while none has finished
     std::uint64_t gpuFrame = 0;
     std::array<EyeCounts, kMaxEyes> eyes{};
 };
@@ -45,7 +47,9 @@ struct FrameStats {
 class Renderer {
   public:
     /// Throws scene::Failure if the device cannot hold or see images of that size.
-    Renderer(const Device& device, const GpuScene& scene, int width, int height, int eyes);
+    /// coverage: what was observed, if that is known; must outlive the renderer, too.
+    Renderer(const Device& device, const GpuScene& scene, int width, int height, int eyes,
+             const GpuCoverage* coverage = nullptr);
 
     /// Sends a frame to the device. Waits only for the frame two before. The cameras must have the renderer's
     /// size. outputs: where the finished eyes are copied to, one each, or none.
@@ -75,25 +79,32 @@ class Renderer {
     /// What one eye keeps to itself, so that the eyes need not wait for one another.
     struct Eye {
         EyeTarget target;
+        std::optional<ScaledTarget> scaled{}; ///< made when first wanted
+        bool isScaled = false;                ///< in this frame
+        int warpWidth = 0, warpHeight = 0;    ///< what the scene is warped into in this frame
+        /// Where the scene is warped and resolved.
+        const EyeTarget& warped() const { return isScaled ? scaled->target : target; }
         std::array<StepTimer, kFramesInFlight> timers;
-        std::vector<glm::dmat4> eyeImagesFromSources;
-        std::vector<glm::dvec3> eyeFromCameras;
-        std::vector<ImagePlanes> planes;
-        VisibleTiles visible;
-        DrawList list;
-        BlendList blendList;
+        std::vector<glm::dmat4> eyeImagesFromSources{};
+        std::vector<glm::dvec3> eyeFromCameras{};
+        std::vector<ImagePlanes> planes{};
+        VisibleTiles visible{};
+        DrawList list{};
+        BlendList blendList{};
         std::optional<BlendTarget> blend{}; ///< made when first wanted
-        std::vector<StepTime> times;
+        std::vector<StepTime> times{};
         std::array<Buffer, kFramesInFlight> kept{}; ///< copies of the colours; made when first wanted
         std::optional<DepthBuffers> depth{};        ///< made when first wanted
-        OverlayList overlay;
+        OverlayList overlay{};
         std::array<OverlayBuffers, kFramesInFlight> overlayBuffers{}; ///< made when first wanted
     };
+    void chooseResolution(const Quality& quality);
     void prepare(Eye& eye, const scene::View& view, const Quality& quality, std::size_t slot, int index);
     void prepareOverlay(Eye& eye, const scene::View& view, const Overlay& overlay, std::size_t slot, int index);
-    void recordCommands(Eye& eye, const Quality& quality, const EyeOutput& output, std::size_t slot, int index);
+    void recordCommands(Eye& eye, const scene::View& view, const Quality& quality, const EyeOutput& output,
+                        std::size_t slot, int index);
     void recordKeeping(VkCommandBuffer commands, Eye& eye, std::size_t slot) const;
-    void recordResolve(VkCommandBuffer commands, VkDescriptorSet eyeSet) const;
+    void recordResolve(VkCommandBuffer commands, const Eye& eye, VkDescriptorSet eyeSet, const HoleFill& holes) const;
     void readTimes(std::size_t slot, std::vector<StepTime>& times) const;
 
     const Device& device_;
@@ -103,8 +114,11 @@ class Renderer {
     std::array<WarpPass, 2> warps_; ///< by Warp
     BlendPass blend_;
     ComputePipeline resolve_;
+    RescalePass rescale_;
     DepthPass depthPass_;
     OverlayPass overlay_;
+    const GpuCoverage* coverage_;
+    ComputePipeline unseen_; ///< where there is coverage
     std::vector<Eye> eyes_;
     std::uint64_t frames_ = 0; ///< drawn so far
     bool keepsNext_ = false;

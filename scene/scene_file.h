@@ -3,7 +3,9 @@
 //
 //   scene.json      what, from what, with which options, figures; frames; cameras (also of held-out images)
 //   images/*.tiff   the depth images as captured, with the flags that say what became of each sample
-//   (scene/depth_tiff.h) tiles.bin       what is drawn, GPU-ready:
+//                   (scene/depth_tiff.h)
+//   held_out/*.tiff the depth images that were kept out, to measure the scene against
+//   tiles.bin       what is drawn, GPU-ready:
 //
 //     offset 0    FileHeader: magic "RVTILES" 0, version, byte order mark, number of blocks, file size, checksum of the
 //     header offset 64   BlockEntry for each image: offset, counts, checksum of the block; then the checksum of the
@@ -19,6 +21,8 @@
 #include <functional>
 
 namespace scene {
+
+inline constexpr const char* kHeldOutFolder = "held_out";
 
 /// A block of tiles as bytes: as a build keeps it for itself, and as it stands in tiles.bin. Starts with its own counts
 /// and checksum.

@@ -13,9 +13,17 @@ revisit_test(revisit_render_tests LABELS gpu LINKS revisit_render_scenes TBB::tb
         render/overlay_test.cpp
         render/points_test.cpp
         render/reference.cpp
+        render/rescale_test.cpp
         render/shared_math_test.cpp
         render/test_device.cpp
         render/visibility_test.cpp)
+
+# Where nobody looked, against the geometry itself.
+revisit_test(revisit_unseen_tests LABELS gpu TIMEOUT 300
+    LINKS revisit_render_scenes scene_project scene_refine TBB::tbb
+    SOURCES
+        render/test_device.cpp
+        render/unseen_truth_test.cpp)
 
 revisit_shader(bare_scatter.comp kBareScatterCode ${CMAKE_CURRENT_SOURCE_DIR}/bench/shaders)
 revisit_bench(revisit_render_bench LINKS revisit_render_scenes TBB::tbb

@@ -26,14 +26,9 @@ struct WarpConstants {
     int height;
 };
 
-struct ResolveConstants {
-    uint width; ///< pixels; a workgroup resolves one row
-};
-
 #ifdef __cplusplus
 static_assert(sizeof(TileDraw) == 80 && alignof(TileDraw) == 4);
 static_assert(sizeof(WarpConstants) == 12);
-static_assert(sizeof(ResolveConstants) == 4);
 #endif
 
 /// What a draw's samples have in common, in span.w: order level and class (both as in a key), the bits of a coordinate

@@ -1,0 +1,50 @@
+#pragma once
+// Where no image ever looked, a picture says so: pixels of class unseen (shaders/shared/unseen.h).
+
+#include "render/pipeline.h"
+#include "render/quality.h"
+#include "render/resources.h"
+#include "render/shaders/shared/unseen.h"
+#include "scene/coverage.h"
+#include "scene/view.h"
+
+#include <vector>
+
+namespace render {
+
+/// The tree as the shader reads it, three texels to a node: unseen cells, divided cells, (first child, 0). A cell
+/// without unseen space in it counts as seen whole, however it is divided.
+std::vector<std::array<std::uint32_t, 2>> coverageTexels(const scene::Coverage& coverage);
+
+/// What was observed of a scene, on the device.
+class GpuCoverage {
+  public:
+    /// Throws scene::Failure if the device cannot hold or see it.
+    GpuCoverage(const Device& device, const scene::Coverage& coverage);
+
+    VkDescriptorSetLayout layout() const { return layout_; }
+    VkDescriptorSet set() const { return set_; }
+    const glm::dvec3& cornerInWorld() const { return cornerInWorld_; }
+    double edgeMetres() const { return edgeMetres_; }
+    std::size_t bytesResident() const { return nodes_.size(); }
+
+  private:
+    glm::dvec3 cornerInWorld_;
+    double edgeMetres_;
+    Buffer nodes_;
+    BufferView view_;
+    DescriptorSetLayout layout_;
+    DescriptorPool pool_;
+    VkDescriptorSet set_ = VK_NULL_HANDLE;
+};
+
+ComputePipeline makeUnseenPipeline(const Device& device, const GpuCoverage& coverage, VkDescriptorSetLayout eyeLayout);
+
+UnseenConstants unseenConstants(const glm::dvec3& cornerInWorld, double edgeMetres, const scene::View& eye,
+                                const Quality& quality);
+
+/// After the eye was resolved, with reads and writes of its picture behind a barrier before and after.
+void recordUnseen(VkCommandBuffer commands, const ComputePipeline& pipeline, const GpuCoverage& coverage,
+                  VkDescriptorSet eyeSet, const scene::View& eye, const Quality& quality);
+
+} // namespace render

@@ -1,0 +1,201 @@
+#ifndef RENDER_SHADERS_SHARED_UNSEEN_H
+#define RENDER_SHADERS_SHARED_UNSEEN_H
+// A pixel's ray through the tree of what was observed (scene/coverage.h): where does it first enter space that no image
+// observed? And how such space looks there: dark stripes that stand still in the world, whoever looks.
+//
+// Positions are in edges of the whole cube, from its corner: [0, 1). Rays are composed in double precision relative to
+// the cube, so that its place in the world costs nothing; t counts metres of depth along the eye's z.
+//
+// The eye itself may stand where nobody looked. What is unseen about it is looked through, but no farther than
+// `pocket`: beyond, the ray counts as unseen, and the pattern stands where that stretch ends.
+//
+// Before this header: nodes as texels of two words each, three to a node, through coverageTexel(index):
+// unseen, children, (first child, 0); low word first.
+
+#include "render/shaders/shared/language.h"
+#include "render/shaders/shared/z_key.h"
+
+#ifdef __cplusplus
+#include <bit>
+#endif
+
+SHARED_BEGIN
+
+struct UnseenConstants {
+    vec4 eye;     ///< in the cube; w: pocket, metres of depth
+    vec4 base;    ///< direction through the corner of the image at (0, 0), per metre of depth; w: slack
+    vec4 perX;    ///< and what a pixel to the right, w: pixels across
+    vec4 perY;    ///< or down adds; w: pixels down
+    vec4 pattern; ///< stripes' phase per edge of the cube, along x, y, z; w: phase at the eye
+    vec4 fade; ///< x: phase per metre; y: a pixel's width at depth 1; z: depth of the sky; w: where it is drawn as if
+};
+
+/// A place in the tree: the cell that a point is in.
+struct UnseenCell {
+    bool isUnseen;
+    vec3 within; ///< where in the cell, [0, 1]
+    float scale; ///< cells to an edge of the whole cube
+};
+
+/// What a ray meets.
+struct UnseenHit {
+    bool isUnseen;
+    float depth; ///< metres along z of where unseen space begins (where it ends, if the eye stands in it); may be
+                 ///< infinite
+};
+
+#ifdef __cplusplus
+static_assert(sizeof(UnseenConstants) == 96);
+#endif
+
+SHARED_CONSTANT uint kTexelsPerCoverageNode = 3u;
+SHARED_CONSTANT int kMostUnseenSteps = 2048; ///< through the finest cells of a cube a ray takes fewer in any real scene
+SHARED_CONSTANT float kRayInfinity = 1e30f;
+
+#ifdef __cplusplus
+#define COVERAGE_PARAMETER const CoverageTexels &texels,
+#define COVERAGE_ARGUMENT texels,
+#define COVERAGE_TEXEL(index) texels(index)
+#define COVERAGE_TEMPLATE template <class CoverageTexels>
+inline int bitCount(uint word) {
+    return std::popcount(word);
+}
+#else
+#define COVERAGE_PARAMETER
+#define COVERAGE_ARGUMENT
+#define COVERAGE_TEXEL(index) coverageTexel(index)
+#define COVERAGE_TEMPLATE
+#endif
+
+/// p in the cube.
+COVERAGE_TEMPLATE SHARED_FUNCTION UnseenCell unseenCellAt(COVERAGE_PARAMETER vec3 p) {
+    uint node = 0u;
+    float scale = 4.0f;
+    vec3 within = p * 4.0f;
+    UnseenCell cell;
+    while (true) {
+        vec3 at = clamp(floor(within), vec3(0.0f), vec3(3.0f));
+        within = within - at;
+        uint bit = uint(int(at.x)) + 4u * uint(int(at.y)) + 16u * uint(int(at.z));
+        bool isHigh = bit >= 32u;
+        uint mask = 1u << (bit & 31u);
+        uvec2 children = COVERAGE_TEXEL(node * kTexelsPerCoverageNode + 1u);
+        uint half_ = isHigh ? children.y : children.x;
+        if ((half_ & mask) == 0u) {
+            uvec2 unseen = COVERAGE_TEXEL(node * kTexelsPerCoverageNode);
+            cell.isUnseen = ((isHigh ? unseen.y : unseen.x) & mask) != 0u;
+            cell.within = within;
+            cell.scale = scale;
+            return cell;
+        }
+        uint rank = uint(bitCount(half_ & (mask - 1u))) + (isHigh ? uint(bitCount(children.x)) : 0u);
+        node = COVERAGE_TEXEL(node * kTexelsPerCoverageNode + 2u).x + rank;
+        within = within * 4.0f;
+        scale = scale * 4.0f;
+    }
+    return cell;
+}
+
+/// Metres of depth to where a ray leaves the cell; per: 1 / direction.
+SHARED_FUNCTION float leaveCell(vec3 within, vec3 per, float scale) {
+    vec3 far = vec3(per.x >= 0.0f ? 1.0f : 0.0f, per.y >= 0.0f ? 1.0f : 0.0f, per.z >= 0.0f ? 1.0f : 0.0f);
+    vec3 t = (far - within) * per;
+    return max(min(min(t.x, t.y), t.z), 0.0f) / scale;
+}
+
+/// A direction's part that is never zero: what is parallel to a face never gets there.
+SHARED_FUNCTION float safeInverse(float part) {
+    return 1.0f / (abs(part) < 1e-12f ? (part < 0.0f ? -1e-12f : 1e-12f) : part);
+}
+
+/// eye, direction: in edges of the cube; end: metres of depth to where something is drawn, infinite if nothing is.
+COVERAGE_TEMPLATE SHARED_FUNCTION UnseenHit walkToUnseen(COVERAGE_PARAMETER vec3 eye, vec3 direction, float pocket,
+                                                         float end) {
+    UnseenHit hit;
+    hit.isUnseen = false;
+    hit.depth = kRayInfinity;
+    vec3 per = vec3(safeInverse(direction.x), safeInverse(direction.y), safeInverse(direction.z));
+    // Where the cube begins and ends; outside nothing was observed.
+    vec3 toLow = (vec3(0.0f) - eye) * per;
+    vec3 toHigh = (vec3(1.0f) - eye) * per;
+    vec3 in_ = min(toLow, toHigh);
+    vec3 out_ = max(toLow, toHigh);
+    float enter = max(max(max(in_.x, in_.y), in_.z), 0.0f);
+    float leave = min(min(out_.x, out_.y), out_.z);
+    bool isMissed = !(enter < leave);
+
+    bool isInPocket = isMissed || enter > 0.0f || pocket > 0.0f;
+    float t = enter;
+    float last = min(end, leave);
+    // A nudge past a cell's face: what floats can still tell apart there.
+    float perStep = max(max(abs(direction.x), abs(direction.y)), abs(direction.z));
+    float grain = 2e-7f / perStep;
+    bool hasBegun = !isInPocket;
+    if (!isMissed) {
+        for (int i = 0; i < kMostUnseenSteps && t < last; ++i) {
+            PRECISE vec3 p = eye + t * direction;
+            UnseenCell cell = unseenCellAt(COVERAGE_ARGUMENT clamp(p, vec3(0.0f), vec3(0.9999999f)));
+            if (cell.isUnseen && hasBegun) {
+                hit.isUnseen = true;
+                hit.depth = t;
+                return hit;
+            }
+            if (!cell.isUnseen && !hasBegun) {
+                if (t > pocket) break;
+                hasBegun = true;
+            }
+            t = t + leaveCell(cell.within, per, cell.scale) + grain + t * 1e-6f;
+        }
+    }
+    if (!hasBegun) {
+        // Unseen from the eye on, to here at least.
+        float reached = isMissed || t >= leave ? end : min(t, end);
+        hit.isUnseen = reached > pocket;
+        hit.depth = reached;
+    }
+    return hit;
+}
+
+/// The stripes' shade at a phase, 0 to 1: two tones, softened over `width` of a period on either side.
+SHARED_FUNCTION float stripeAt(float phase, float width) {
+    float wave = abs(phase - floor(phase) - 0.5f) * 2.0f; // 0 in the middle of a dark stripe, 1 of a light one
+    float soft = clamp(width * 2.0f, 0.02f, 2.0f);
+    float stripe = clamp((wave - 0.5f) / soft + 0.5f, 0.0f, 1.0f);
+    return mix(stripe, 0.5f, clamp(width * 2.0f - 0.5f, 0.0f, 1.0f));
+}
+
+/// r | g << 8 | b << 16: dark, bluish, unlike any light on a surface.
+SHARED_FUNCTION uint stripeColour(float shade) {
+    vec3 dark = vec3(26.0f, 28.0f, 38.0f);
+    vec3 light = vec3(58.0f, 62.0f, 80.0f);
+    vec3 colour = mix(dark, light, vec3(shade)) + vec3(0.5f);
+    return uint(int(colour.x)) | (uint(int(colour.y)) << 8) | (uint(int(colour.z)) << 16);
+}
+
+/// Direction of the pixel's ray, per metre of depth. x, y: of the pixel's centre.
+SHARED_FUNCTION vec3 rayOf(UnseenConstants c, float x, float y) {
+    PRECISE vec3 direction = vec3(c.base.x, c.base.y, c.base.z) + x * vec3(c.perX.x, c.perX.y, c.perX.z) +
+                             y * vec3(c.perY.x, c.perY.y, c.perY.z);
+    return direction;
+}
+
+/// How far a pixel's ray is asked about: to just before what is drawn there. pixelClass and depth as resolve wrote
+/// them.
+SHARED_FUNCTION float unseenEnd(UnseenConstants c, uint pixelClass, float depth) {
+    bool isDrawn = pixelClass != kClassBackground && depth < kRayInfinity;
+    return isDrawn ? depth * (1.0f - c.base.w) : kRayInfinity;
+}
+
+/// How unseen space looks at that depth along a ray. Infinitely far, the pattern stands on the sky.
+SHARED_FUNCTION uint unseenColour(UnseenConstants c, vec3 direction, float depth) {
+    vec3 pattern = vec3(c.pattern.x, c.pattern.y, c.pattern.z);
+    bool isFar = depth > c.fade.z;
+    float t = isFar ? c.fade.w : depth;
+    vec3 offset = direction * t;
+    float phase = pattern.x * offset.x + pattern.y * offset.y + pattern.z * offset.z + (isFar ? 0.0f : c.pattern.w);
+    return stripeColour(stripeAt(phase, c.fade.x * c.fade.y * t));
+}
+
+SHARED_END
+
+#endif

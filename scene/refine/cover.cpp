@@ -1,0 +1,301 @@
+#include "scene/refine/cover.h"
+
+#include "scene/refine/open_space.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <tbb/parallel_for.h>
+
+namespace scene {
+
+namespace {
+
+constexpr std::uint64_t kAllCells = ~std::uint64_t{0};
+constexpr double kCoarseSamples = 12;  ///< the first pass divides no cell below so many samples' spacing
+constexpr int kParallelLevels = 3;     ///< deeper, a task would be too small
+constexpr int kSampleStep = 4;         ///< every so many samples, across and down, bound the cube
+constexpr double kOutlierShare = 5e-4; ///< of an image's samples, at each end of an axis, may lie outside
+
+/// A node that grows. Cells in none of the masks are unseen; children in the order of their bits.
+struct Growing {
+    std::uint64_t empty = 0, surface = 0, divided = 0;
+    std::vector<Growing> children;
+};
+
+/// How an image carves: its camera in the tree's axes, and how small its cells become.
+struct Carver {
+    const OpenSpace& space;
+    glm::dmat3 cameraFromWorld; ///< rotation
+    glm::dvec3 halfOfUnit{0.0}; ///< half extents, in the camera's axes, of a unit cube along the world's
+    bool isCoarse = false;
+    double nearestMetres = 0, smallest = 0, atSurface = 0; ///< the last two in samples' spacings
+    double largestEdge = 0;
+
+    double spacingAt(const glm::dvec3& pInCamera) const {
+        return space.spacingAt(std::max(pInCamera.z, nearestMetres));
+    }
+};
+
+/// Cells side by side that are decided together: at the finest level, where four to an edge would be finer than asked.
+std::uint64_t maskOf(int x, int y, int z, int side) {
+    std::uint64_t mask = 0;
+    for (int dz = 0; dz < side; ++dz)
+        for (int dy = 0; dy < side; ++dy)
+            for (int dx = 0; dx < side; ++dx)
+                mask |= coverageMask(coverageBit(x + dx, y + dy, z + dz));
+    return mask;
+}
+
+class Carving {
+  public:
+    Carving(const Carver& carver) : c_(carver) {}
+
+    /// centre: of the node, in the camera.
+    void carve(Growing& node, const glm::dvec3& centre, double edge, int level) const {
+        const double cell = edge / kCoverageBranching;
+        const int side = !c_.isCoarse && 2 * cell <= c_.smallest * c_.spacingAt(centre) && node.divided == 0 ? 2 : 1;
+        std::uint64_t toCarve = 0;
+        for (int z = 0; z < kCoverageBranching; z += side)
+            for (int y = 0; y < kCoverageBranching; y += side)
+                for (int x = 0; x < kCoverageBranching; x += side) {
+                    const std::uint64_t mask = maskOf(x, y, z, side);
+                    if ((node.empty & mask) == mask) continue;
+                    const glm::dvec3 middle = centreOf(centre, cell, x, y, z, side);
+                    if (decide(node, mask, middle, cell * side, level)) toCarve |= mask;
+                }
+        divide(node, toCarve & ~node.divided);
+        carveChildren(node, toCarve, centre, cell, level);
+        collapse(node);
+    }
+
+  private:
+    glm::dvec3 centreOf(const glm::dvec3& centre, double cell, int x, int y, int z, int side) const {
+        const double half = 0.5 * side, middle = 0.5 * kCoverageBranching;
+        return centre +
+               c_.cameraFromWorld * (cell * glm::dvec3(x + half - middle, y + half - middle, z + half - middle));
+    }
+
+    /// What the image knows of cells of one kind; true if only their parts can tell.
+    bool decide(Growing& node, std::uint64_t mask, const glm::dvec3& middle, double cell, int level) const {
+        const BoxSight sight = c_.space.look({middle, cell * c_.halfOfUnit});
+        if (sight.sight == Sight::none) return false;
+        if (sight.sight == Sight::all) {
+            node.empty |= mask, node.surface &= ~mask;
+            return false; // children of empty cells go when the node collapses
+        }
+        const double spacing = c_.spacingAt(middle);
+        if (c_.isCoarse) return cell > kCoarseSamples * spacing && level + 1 < kMaxCoverageLevels;
+        if ((node.divided & mask) != 0) return true;
+        const double limit = sight.hasEdge ? c_.smallest : c_.atSurface;
+        if (cell > limit * spacing && level + 1 < kMaxCoverageLevels) return (node.surface & mask) == 0;
+        // As small as it gets: asked about its middle part, else every end of seen space would reach a cell too far.
+        const BoxSight core = c_.space.look({middle, glm::dvec3(cell / 4)});
+        if (core.sight == Sight::none) return false;
+        if (sight.hasSurface)
+            node.surface |= mask;
+        else
+            node.empty |= mask, node.surface &= ~mask;
+        return false;
+    }
+
+    static void divide(Growing& node, std::uint64_t cells) {
+        if (cells == 0) return;
+        std::vector<Growing> children(static_cast<std::size_t>(std::popcount(node.divided | cells)));
+        for (std::uint64_t left = node.divided; left != 0; left &= left - 1) {
+            const int bit = std::countr_zero(left);
+            children[childRank(node.divided | cells, bit)] = std::move(node.children[childRank(node.divided, bit)]);
+        }
+        node.divided |= cells;
+        node.children = std::move(children);
+    }
+
+    void carveChildren(Growing& node, std::uint64_t cells, const glm::dvec3& centre, double cell, int level) const {
+        std::vector<int> bits;
+        for (; cells != 0; cells &= cells - 1)
+            bits.push_back(std::countr_zero(cells));
+        const auto carveOne = [&](std::size_t i) {
+            const int bit = bits[i];
+            carve(node.children[childRank(node.divided, bit)],
+                  centreOf(centre, cell, bit % 4, bit / 4 % 4, bit / 16, 1), cell, level + 1);
+        };
+        if (level < kParallelLevels)
+            tbb::parallel_for(std::size_t{0}, bits.size(), carveOne);
+        else
+            for (std::size_t i = 0; i < bits.size(); ++i)
+                carveOne(i);
+    }
+
+    static void collapse(Growing& node) {
+        std::uint64_t gone = 0;
+        for (std::uint64_t left = node.divided; left != 0; left &= left - 1) {
+            const int bit = std::countr_zero(left);
+            const std::uint64_t mask = coverageMask(bit);
+            const Growing& child = node.children[childRank(node.divided, bit)];
+            const bool isUnseen = (child.empty | child.surface | child.divided) == 0;
+            if ((node.empty & mask) == 0 && child.empty != kAllCells && child.surface != kAllCells && !isUnseen)
+                continue;
+            if (child.surface == kAllCells && (node.empty & mask) == 0) node.surface |= mask;
+            if (child.empty == kAllCells) node.empty |= mask;
+            gone |= mask;
+        }
+        if (gone == 0) return;
+        std::vector<Growing> kept;
+        const std::uint64_t stay = node.divided & ~gone;
+        kept.reserve(static_cast<std::size_t>(std::popcount(stay)));
+        for (std::uint64_t left = stay; left != 0; left &= left - 1)
+            kept.push_back(std::move(node.children[childRank(node.divided, std::countr_zero(left))]));
+        node.divided = stay;
+        node.children = std::move(kept);
+    }
+
+    const Carver& c_;
+};
+
+struct Box {
+    glm::dvec3 least{std::numeric_limits<double>::infinity()}, most{-std::numeric_limits<double>::infinity()};
+    void include(const glm::dvec3& p) {
+        for (int axis = 0; axis < 3; ++axis)
+            least[axis] = std::min(least[axis], p[axis]), most[axis] = std::max(most[axis], p[axis]);
+    }
+    bool isEmpty() const { return !(least.x <= most.x); }
+};
+
+/// Of the camera and most of what it saw; a few samples that fly far off do not count.
+Box boxOf(const DepthImage& image) {
+    std::array<std::vector<double>, 3> places;
+    for (int y = 0; y < image.camera.height; y += kSampleStep)
+        for (int x = 0; x < image.camera.width; x += kSampleStep) {
+            if (!isDrawable(image.flags(x, y)) || image.disparity(x, y) <= 0) continue;
+            const glm::dvec3 p =
+                image.worldFromCamera * (rayThrough(image.camera, x + 0.5, y + 0.5) / double{image.disparity(x, y)});
+            for (std::size_t axis = 0; axis < 3; ++axis)
+                places[axis].push_back(p[static_cast<int>(axis)]);
+        }
+    Box box;
+    box.include(image.worldFromCamera.translation);
+    if (places[0].empty()) return box;
+    glm::dvec3 least(0), most(0);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        std::vector<double>& values = places[axis];
+        const auto outliers = static_cast<std::ptrdiff_t>(kOutlierShare * static_cast<double>(values.size()));
+        std::nth_element(values.begin(), values.begin() + outliers, values.end());
+        least[static_cast<int>(axis)] = values[static_cast<std::size_t>(outliers)];
+        std::nth_element(values.begin(), values.end() - 1 - outliers, values.end());
+        most[static_cast<int>(axis)] = *(values.end() - 1 - outliers);
+    }
+    box.include(least), box.include(most);
+    return box;
+}
+
+/// Breadth first: children stand side by side, in the order of their parents.
+std::vector<CoverageNode> flatten(const Growing& root) {
+    std::vector<CoverageNode> nodes(1);
+    std::vector<const Growing*> growing{&root};
+    for (std::size_t i = 0; i < growing.size(); ++i) {
+        const Growing& from = *growing[i];
+        nodes[i] = {~(from.empty | from.surface | from.divided), from.surface, from.divided,
+                    from.divided != 0 ? static_cast<std::uint32_t>(growing.size()) : 0, 0};
+        for (const Growing& child : from.children)
+            growing.push_back(&child);
+        nodes.resize(growing.size());
+    }
+    return nodes;
+}
+
+std::size_t countNodes(const Growing& node) {
+    std::size_t count = 1;
+    for (const Growing& child : node.children)
+        count += countNodes(child);
+    return count;
+}
+
+/// A fixed order in which neighbours in the capture, which see the same, come far apart.
+std::vector<std::size_t> spreadOrder(std::size_t count) {
+    std::vector<std::size_t> order;
+    std::size_t stride = 1;
+    while (stride * stride < count)
+        ++stride;
+    for (std::size_t first = 0; first < stride; ++first)
+        for (std::size_t i = first; i < count; i += stride)
+            order.push_back(i);
+    return order;
+}
+
+std::vector<std::vector<std::size_t>> findCompanions(const ImageStore& images) {
+    std::vector<std::vector<std::size_t>> companions(images.size());
+    for (std::size_t i = 0; i < images.size(); ++i)
+        for (std::size_t j = 0; j < images.size(); ++j)
+            if (i != j && images.at(i).worldFromCamera.translation == images.at(j).worldFromCamera.translation)
+                companions[i].push_back(j);
+    return companions;
+}
+
+struct Region {
+    glm::dvec3 centre{0.0};
+    double edge = 1;
+};
+
+Growing grow(ImageStore& images, const Region& region, const CoverOptions& options, double cellsPerSample,
+             const std::function<void()>& advance) {
+    const std::vector<std::vector<std::size_t>> companions = findCompanions(images);
+    Growing root;
+    for (const bool isCoarse : {true, false})
+        for (const std::size_t i : spreadOrder(images.size())) {
+            const ImageStore::Lease image = images.borrow(i);
+            std::vector<ImageStore::Lease> leases;
+            std::vector<const DepthImage*> others;
+            for (const std::size_t other : companions[i]) {
+                leases.push_back(images.borrow(other));
+                others.push_back(&*leases.back());
+            }
+            const OpenSpace space(*image, others, options.tolerance);
+            Carver carver{space, glm::transpose(image->worldFromCamera.rotation)};
+            for (int row = 0; row < 3; ++row)
+                carver.halfOfUnit[row] =
+                    0.5 * (std::abs(carver.cameraFromWorld[0][row]) + std::abs(carver.cameraFromWorld[1][row]) +
+                           std::abs(carver.cameraFromWorld[2][row]));
+            carver.isCoarse = isCoarse;
+            carver.nearestMetres = options.nearestMetres;
+            carver.smallest = 1 / cellsPerSample;
+            carver.atSurface = std::max(options.surfaceSamples, carver.smallest);
+            Carving(carver).carve(root, carver.cameraFromWorld * (region.centre - image->worldFromCamera.translation),
+                                  region.edge, 0);
+            if (advance) advance();
+        }
+    return root;
+}
+
+} // namespace
+
+Coverage cover(ImageStore& images, const CoverOptions& options, CoverFigures& figures,
+               const std::function<void()>& advance) {
+    std::vector<Box> boxes(images.size());
+    tbb::parallel_for(std::size_t{0}, images.size(), [&](std::size_t i) { boxes[i] = boxOf(*images.borrow(i)); });
+    Box all;
+    for (const Box& box : boxes)
+        if (!box.isEmpty()) all.include(box.least), all.include(box.most);
+    Region region;
+    if (!all.isEmpty()) {
+        const glm::dvec3 size = all.most - all.least;
+        region.centre = 0.5 * (all.least + all.most);
+        region.edge = std::max(1.1 * std::max({size.x, size.y, size.z}), 1e-3);
+    }
+    figures.cellsPerSample = options.cellsPerSample;
+    Growing root = grow(images, region, options, figures.cellsPerSample, advance);
+    while (countNodes(root) > options.maxNodes && figures.cellsPerSample > 1e-3) {
+        figures.cellsPerSample /= 2;
+        root = grow(images, region, options, figures.cellsPerSample, {});
+    }
+    Coverage coverage{region.centre - glm::dvec3(region.edge / 2), region.edge, flatten(root)};
+    figures.nodes = coverage.nodes.size();
+    figures.finestMetres = finestCellOf(coverage);
+    const std::array<double, 3> volumes = volumesOf(coverage);
+    figures.unseenCubicMetres = volumes[static_cast<std::size_t>(Observed::unseen)];
+    figures.surfaceCubicMetres = volumes[static_cast<std::size_t>(Observed::surface)];
+    figures.emptyCubicMetres = volumes[static_cast<std::size_t>(Observed::empty)];
+    return coverage;
+}
+
+} // namespace scene

@@ -1,0 +1,143 @@
+#include "scene/refine/open_space.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace scene {
+
+namespace {
+
+constexpr float kNothing = std::numeric_limits<float>::infinity();
+constexpr int kMarginShare = 8; ///< of the image's width that companions continue it by: one part in so many
+
+/// The disparity at which a sample's ray ends, infinite if it proves nothing.
+float openEndOf(const DepthImage& image, int x, int y) {
+    return isDrawable(image.flags(x, y)) ? image.disparity(x, y) : kNothing;
+}
+
+bool isEdge(const DepthImage& image, int x, int y) {
+    const int right = x + 1, below = y + 1;
+    if (right >= image.camera.width || below >= image.camera.height) return true;
+    return (image.flags(x, y) & (kSkinUpper | kSkinLower)) != 0 || !isSurface(image.flags(x, y)) ||
+           !isSurface(image.flags(right, y)) || !isSurface(image.flags(x, below)) ||
+           !isSurface(image.flags(right, below));
+}
+
+} // namespace
+
+OpenSpace::OpenSpace(const DepthImage& image, std::span<const DepthImage* const> companions, float tolerance)
+    : camera_(image.camera), focal_(std::max(image.camera.fx, image.camera.fy)), tolerance_(tolerance) {
+    const int margin = companions.empty() ? 0 : std::max(image.camera.width / kMarginShare, 2);
+    camera_.width += 2 * margin, camera_.height += 2 * margin;
+    camera_.cx += margin, camera_.cy += margin;
+    levels_.push_back({camera_.width, camera_.height, {}});
+    levels_[0].spans.assign(static_cast<std::size_t>(camera_.width) * static_cast<std::size_t>(camera_.height),
+                            {kNothing, kNothing, true});
+    for (int y = 0; y < image.camera.height; ++y)
+        for (int x = 0; x < image.camera.width; ++x) {
+            const float end = openEndOf(image, x, y);
+            levels_[0].spans[static_cast<std::size_t>(y + margin) * static_cast<std::size_t>(camera_.width) +
+                             static_cast<std::size_t>(x + margin)] = {end, end, isEdge(image, x, y)};
+        }
+    if (margin > 0) continuePast(image, companions, margin);
+    buildPyramid();
+}
+
+void OpenSpace::continuePast(const DepthImage& image, std::span<const DepthImage* const> companions, int margin) {
+    for (int y = 0; y < camera_.height; ++y)
+        for (int x = 0; x < camera_.width; ++x) {
+            const bool isInside =
+                x >= margin && y >= margin && x < camera_.width - margin && y < camera_.height - margin;
+            Span& span = levels_[0].spans[static_cast<std::size_t>(y) * static_cast<std::size_t>(camera_.width) +
+                                          static_cast<std::size_t>(x)];
+            // The last row and column have no square of their own within the image.
+            const bool isLast = isInside && (x == camera_.width - margin - 1 || y == camera_.height - margin - 1);
+            if (isInside && !isLast) continue;
+            if (isLast && span.nearest < kNothing) span.hasEdge = false;
+            if (isInside) continue;
+            const glm::dvec3 ray = rayThrough(camera_, x + 0.5, y + 0.5);
+            const glm::dvec3 inWorld = image.worldFromCamera.rotation * ray;
+            for (const DepthImage* other : companions) {
+                const glm::dvec3 there = glm::transpose(other->worldFromCamera.rotation) * inWorld;
+                if (there.z <= 0) continue;
+                const glm::dvec2 at = project(other->camera, there);
+                if (!(at.x >= 0 && at.y >= 0 && at.x < other->camera.width && at.y < other->camera.height)) continue;
+                const int ox = static_cast<int>(at.x), oy = static_cast<int>(at.y);
+                const float end = openEndOf(*other, ox, oy);
+                if (!(end < kNothing)) continue;
+                // Depths of one point along two axes are as the ray's lengths along them.
+                const auto here = static_cast<float>(end * there.z);
+                const bool isBorder = ox + 1 >= other->camera.width || oy + 1 >= other->camera.height;
+                span = {here, here, !isBorder && isEdge(*other, ox, oy)};
+                break;
+            }
+        }
+}
+
+void OpenSpace::buildPyramid() {
+    while (levels_.back().width > 1 || levels_.back().height > 1) {
+        const Level& fine = levels_.back();
+        Level coarse{(fine.width + 1) / 2, (fine.height + 1) / 2, {}};
+        coarse.spans.reserve(static_cast<std::size_t>(coarse.width) * static_cast<std::size_t>(coarse.height));
+        for (int y = 0; y < coarse.height; ++y)
+            for (int x = 0; x < coarse.width; ++x) {
+                Span span{0, kNothing, false};
+                for (int fy = 2 * y; fy < std::min(2 * y + 2, fine.height); ++fy)
+                    for (int fx = 2 * x; fx < std::min(2 * x + 2, fine.width); ++fx) {
+                        const Span& of =
+                            fine.spans[static_cast<std::size_t>(fy) * static_cast<std::size_t>(fine.width) +
+                                       static_cast<std::size_t>(fx)];
+                        span.nearest = std::max(span.nearest, of.nearest);
+                        span.farthest = std::min(span.farthest, of.farthest);
+                        span.hasEdge = span.hasEdge || of.hasEdge;
+                    }
+                coarse.spans.push_back(span);
+            }
+        levels_.push_back(std::move(coarse));
+    }
+}
+
+BoxSight OpenSpace::look(const BoxInCamera& box) const {
+    const double zNear = box.centre.z - box.half.z, zFar = box.centre.z + box.half.z;
+    if (zFar <= 0) return {};
+    if (zNear <= 0) return {Sight::part, false, true}; // about the camera itself
+    const auto lowest = [&](double p, double half) { return p - half < 0 ? (p - half) / zNear : (p - half) / zFar; };
+    const auto highest = [&](double p, double half) { return p + half > 0 ? (p + half) / zNear : (p + half) / zFar; };
+    const double left = camera_.fx * lowest(box.centre.x, box.half.x) + camera_.cx;
+    const double right = camera_.fx * highest(box.centre.x, box.half.x) + camera_.cx;
+    const double top = camera_.fy * lowest(box.centre.y, box.half.y) + camera_.cy;
+    const double bottom = camera_.fy * highest(box.centre.y, box.half.y) + camera_.cy;
+    if (right <= 0 || bottom <= 0 || left >= camera_.width || top >= camera_.height) return {};
+    const bool isWhole = left >= 0 && top >= 0 && right <= camera_.width && bottom <= camera_.height;
+    int x0 = std::max(static_cast<int>(std::max(left, 0.0)), 0), y0 = static_cast<int>(std::max(top, 0.0));
+    int x1 = static_cast<int>(std::min(right, camera_.width - 1.0));
+    int y1 = static_cast<int>(std::min(bottom, camera_.height - 1.0));
+    std::size_t level = 0;
+    while (x1 - x0 > 2 || y1 - y0 > 2)
+        x0 >>= 1, x1 >>= 1, y0 >>= 1, y1 >>= 1, ++level;
+
+    const Level& in = levels_[level];
+    const auto boxNear = static_cast<float>(1 / zNear), boxFar = static_cast<float>(1 / zFar);
+    BoxSight sight;
+    Span span{0, kNothing, !isWhole};
+    for (int y = y0; y <= y1; ++y)
+        for (int x = x0; x <= x1; ++x) {
+            const Span& of = in.spans[static_cast<std::size_t>(y) * static_cast<std::size_t>(in.width) +
+                                      static_cast<std::size_t>(x)];
+            span.nearest = std::max(span.nearest, of.nearest);
+            span.farthest = std::min(span.farthest, of.farthest);
+            span.hasEdge = span.hasEdge || of.hasEdge;
+            sight.hasSurface = sight.hasSurface || (of.nearest >= boxFar && of.farthest <= boxNear && of.farthest > 0);
+        }
+    sight.hasEdge = span.hasEdge;
+    if (boxNear < span.farthest * (1 - tolerance_))
+        sight.sight = Sight::none;
+    else if (isWhole && boxFar > span.nearest)
+        sight.sight = Sight::all;
+    else
+        sight.sight = Sight::part;
+    return sight;
+}
+
+} // namespace scene

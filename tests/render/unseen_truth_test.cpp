@@ -1,0 +1,239 @@
+// Unseen truth: few scans of places of known geometry, many eyes; whatever a ray meets before what is drawn is asked of
+// the geometry itself, not of the images.
+//
+// A point is *observed* by a scan if the scanner's ray towards it got an echo (not from the sky, nor from below the
+// scan's last row) and no surface of the place stands on that ray before the point. Scans have samples, not rays
+// without end, so at the rims of what a scan saw its own spacing is left open either way:
+//   surely unseen    four rays to places a spacing beside the point, and the one to it, all end before the point by
+//                    more than a spacing, or have no echo; for every scan
+//   surely observed  all five reach the point and have an echo; for one scan
+// A pixel's ray *meets the unseen* if some point of it before the true surface is surely unseen, and is *observed* if
+// all its points up to a spacing before that surface are surely observed. What is neither is not counted; its share is
+// told, and bounded.
+
+#include "render/post/unseen.h"
+#include "scene/image_store.h"
+#include "scene/project/cube_faces.h"
+#include "scene/refine/cover.h"
+#include "scene/refine/pairs.h"
+#include "scene/refine/skins.h"
+#include "scene/synthetic.h"
+#include "scene/synthetic_tracer.h"
+#include "tests/render/test_device.h"
+
+#include <array>
+#include <atomic>
+#include <cmath>
+#include <cstdio>
+
+#include <tbb/parallel_for.h>
+
+namespace render {
+namespace {
+
+constexpr int kColumns = 1200, kRows = 500;
+constexpr int kPoses = 200;
+constexpr int kPixelStep = 7; ///< of a picture's pixels every so many is asked about
+constexpr double kEyeDistanceMetres = 0.063;
+
+struct Place {
+    scene::SyntheticScene truth;
+    std::vector<scene::Pose> scanners;
+    std::vector<scene::DepthImage> images;
+    std::vector<scene::TileSet> sets;
+    scene::Coverage coverage;
+    scene::CoverFigures figures;
+};
+
+Place scanPlace(scene::SyntheticScene truth, std::size_t scans) {
+    Place place{std::move(truth), {}, {}, {}, {}, {}};
+    for (const scene::Pose& scanner : scene::scanPositions(place.truth)) {
+        if (place.scanners.size() == scans) break;
+        place.scanners.push_back(scanner);
+        scene::Scan scan = scene::simulateScan(place.truth, scanner, kColumns, kRows);
+        scan.name = "scan" + std::to_string(place.scanners.size());
+        for (scene::DepthImage& face : scene::projectToCubeFaces(scan).faces)
+            place.images.push_back(std::move(face));
+    }
+    scene::ImageStore store(place.images);
+    std::vector<scene::ImageOutline> outlines;
+    for (const scene::DepthImage& image : place.images)
+        outlines.push_back(scene::outlineOf(image));
+    const auto partners = scene::findPartners(outlines);
+    tbb::parallel_for(std::size_t{0}, place.images.size(), [&](std::size_t i) {
+        scene::SkinFigures figures;
+        place.images[i].flags = scene::markSkins(store, i, partners[i], {}, figures);
+    });
+    scene::ImageStore marked(place.images);
+    place.coverage = scene::cover(marked, {}, place.figures);
+    for (const scene::DepthImage& image : place.images)
+        place.sets.push_back(scene::cutIntoTiles(image));
+    return place;
+}
+
+/// The scans' own spacing, radians; cells of the grid are as wide as they are high.
+constexpr double kSpacing = 2 * 3.14159265358979 / kColumns;
+
+class Truth {
+  public:
+    explicit Truth(const Place& place) : place_(place) {
+        const scene::ScanOptions defaults;
+        lowest_ = defaults.bottomRadians;
+    }
+
+    bool isSurelyUnseen(const glm::dvec3& p) const {
+        for (const scene::Pose& scanner : place_.scanners)
+            if (anyReaches(scanner.translation, p)) return false;
+        return true;
+    }
+    bool isSurelyObserved(const glm::dvec3& p) const {
+        for (const scene::Pose& scanner : place_.scanners)
+            if (allReach(scanner.translation, p)) return true;
+        return false;
+    }
+    double spacingAt(const glm::dvec3& p) const {
+        double nearest = 1e9;
+        for (const scene::Pose& scanner : place_.scanners)
+            nearest = std::min(nearest, glm::length(p - scanner.translation));
+        return nearest * kSpacing;
+    }
+
+  private:
+    /// The point and four places a spacing beside it, as the scanner sees them.
+    template <class Visit>
+    static void around(const glm::dvec3& scanner, const glm::dvec3& p, Visit&& visit) {
+        const glm::dvec3 ray = p - scanner;
+        const double step = glm::length(ray) * kSpacing;
+        const glm::dvec3 side = glm::normalize(
+            glm::cross(ray, std::abs(ray.z) < 0.9 * glm::length(ray) ? glm::dvec3(0, 0, 1) : glm::dvec3(1, 0, 0)));
+        const glm::dvec3 up = glm::normalize(glm::cross(side, ray));
+        for (const glm::dvec3& offset : {glm::dvec3(0), step * side, -step * side, step * up, -step * up})
+            if (!visit(ray + offset)) return;
+    }
+    bool hasEcho(const glm::dvec3& scanner, const glm::dvec3& ray, double margin) const {
+        const double elevation = std::atan2(ray.z, std::hypot(ray.x, ray.y));
+        return elevation > lowest_ + margin && place_.truth.tracer().cast(scanner, ray).has_value();
+    }
+    bool anyReaches(const glm::dvec3& scanner, const glm::dvec3& p) const {
+        bool reached = false;
+        around(scanner, p, [&](const glm::dvec3& ray) {
+            const auto hit = place_.truth.tracer().cast(scanner, ray);
+            const double elevation = std::atan2(ray.z, std::hypot(ray.x, ray.y));
+            reached = hit && elevation > lowest_ - kSpacing && hit->t > 1 - kSpacing;
+            return !reached;
+        });
+        return reached;
+    }
+    bool allReach(const glm::dvec3& scanner, const glm::dvec3& p) const {
+        bool reached = true;
+        around(scanner, p, [&](const glm::dvec3& ray) {
+            const auto hit = place_.truth.tracer().cast(scanner, ray);
+            const double elevation = std::atan2(ray.z, std::hypot(ray.x, ray.y));
+            reached = hit && elevation > lowest_ + kSpacing && hit->t >= 1;
+            return reached;
+        });
+        return reached;
+    }
+
+    const Place& place_;
+    double lowest_;
+};
+
+enum class RayTruth { meetsUnseen, observed, between };
+
+RayTruth judge(const Place& place, const Truth& truth, const glm::dvec3& eye, const glm::dvec3& direction) {
+    const auto hit = place.truth.tracer().cast(eye, direction);
+    const double end = hit ? hit->t * glm::length(direction) : 100;
+    const glm::dvec3 unit = glm::normalize(direction);
+    bool isObserved = true;
+    double t = 0.01;
+    while (t < end) {
+        const glm::dvec3 p = eye + t * unit;
+        const double spacing = truth.spacingAt(p);
+        if (hit && t > end - spacing) break;
+        if (!truth.isSurelyObserved(p)) {
+            isObserved = false;
+            if (truth.isSurelyUnseen(p)) return RayTruth::meetsUnseen;
+        }
+        t += std::max(2 * spacing, 0.02);
+    }
+    // A ray into the sky is never observed to its end, nor does it meet anything surely.
+    return isObserved && hit ? RayTruth::observed : RayTruth::between;
+}
+
+struct Count {
+    std::atomic<std::int64_t> unseen{0}, missed{0}, observed{0}, wronged{0}, between{0};
+};
+
+void countPlace(const Place& place, Count& count) {
+    std::vector<scene::TileBlock> blocks;
+    for (std::size_t i = 0; i < place.sets.size(); ++i)
+        blocks.push_back(lend(place.sets[i], place.images[i].camera, place.images[i].worldFromCamera));
+    const GpuScene gpuScene(testDevice(), blocks);
+    const GpuCoverage coverage(testDevice(), place.coverage);
+    const scene::Camera camera{128, 96, 64, 64, 64, 48};
+    Renderer renderer(testDevice(), gpuScene, camera.width, camera.height, 2, &coverage);
+    Quality quality;
+    quality.unseenPocketMetres = 0;
+    const Truth truth(place);
+    int at = 0;
+    for (const scene::View& head : scene::walkPath(place.truth, kPoses, camera)) {
+        const auto [left, right] = scene::eyesOf(camera, head.worldFromEye, kEyeDistanceMetres);
+        const std::array views{left, right};
+        renderer.draw(views, quality);
+        const std::vector<EyeImage> pictures = renderer.readBack();
+        const int offset = at++;
+        tbb::parallel_for(0, 2 * camera.width * camera.height / kPixelStep, [&](int k) {
+            const int i = k * kPixelStep + offset % kPixelStep;
+            const std::size_t eye = i >= camera.width * camera.height ? 1 : 0;
+            const int pixel = i - static_cast<int>(eye) * camera.width * camera.height;
+            if (pixel >= camera.width * camera.height) return;
+            const int x = pixel % camera.width, y = pixel / camera.width;
+            const glm::dvec3 direction = views[eye].worldFromEye.rotation * scene::rayThrough(camera, x + 0.5, y + 0.5);
+            const bool isUnseen = pictures[eye].pixelClass(x, y) == 3;
+            switch (judge(place, truth, views[eye].worldFromEye.translation, direction)) {
+            case RayTruth::meetsUnseen:
+                ++count.unseen;
+                count.missed += isUnseen ? 0 : 1;
+                break;
+            case RayTruth::observed:
+                ++count.observed;
+                count.wronged += isUnseen ? 1 : 0;
+                break;
+            case RayTruth::between:
+                ++count.between;
+            }
+        });
+    }
+}
+
+class UnseenTruth : public RenderTest {};
+
+void expectTruth(const Place& place) {
+    Count count;
+    countPlace(place, count);
+    const double all = static_cast<double>(count.unseen + count.observed + count.between);
+    const double missed = static_cast<double>(count.missed) / static_cast<double>(count.unseen);
+    const double wronged = static_cast<double>(count.wronged) / static_cast<double>(count.observed);
+    std::printf("nodes %llu finest %.4f m unseen %.1f m3; rays: unseen %lld missed %.4f %%, observed %lld wronged %.4f "
+                "%%, between %.2f %%\n",
+                static_cast<unsigned long long>(place.figures.nodes), place.figures.finestMetres,
+                place.figures.unseenCubicMetres, static_cast<long long>(count.unseen), 100 * missed,
+                static_cast<long long>(count.observed), 100 * wronged, 100 * static_cast<double>(count.between) / all);
+    EXPECT_GT(count.unseen, 1000);
+    EXPECT_GT(count.observed, 1000);
+    EXPECT_LE(missed, 0.001);
+    EXPECT_LE(wronged, 0.01);
+    EXPECT_LE(static_cast<double>(count.between), 0.2 * all);
+}
+
+TEST_F(UnseenTruth, InARoom) {
+    expectTruth(scanPlace(scene::makeRoom(), 2));
+}
+
+TEST_F(UnseenTruth, AtAStreetCorner) {
+    expectTruth(scanPlace(scene::makeStreetCorner(), 3));
+}
+
+} // namespace
+} // namespace render
