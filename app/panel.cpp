@@ -57,6 +57,8 @@ void drawKnobs(PanelState& state, Knobs& knobs) {
     ImGui::SameLine();
     ImGui::RadioButton("mesh", &warp, static_cast<int>(render::Warp::mesh));
     knobs.quality.warp = static_cast<render::Warp>(warp);
+    ImGui::SameLine();
+    ImGui::Checkbox("blended", &knobs.quality.isBlended);
     ImGui::SliderInt("widest footprint", &knobs.quality.maxFootprint, 1, 16);
     float baseline = static_cast<float>(knobs.quality.preference.nearBaseline);
     if (ImGui::SliderFloat("near baseline", &baseline, 0, 0.3f, "%.2f"))

@@ -76,7 +76,7 @@ void buildBlendList(std::span<const ResidentTile> tiles, const TileBounds& bound
             draw.tile.span.y = tile.firstVertex;
             draw.tile.span.z = tile.pointCount;
             draw.spot = vec4(spot.xx, spot.xy, spot.yy, unit * spot.weight);
-            draw.reach = vec4(spot.reachX, spot.reachY, options.depthTolerance, 0.0f);
+            draw.reach = vec4(spot.reachX, spot.reachY, spot.tolerance, 0.0f);
             draws[i] = draw;
         }
     });

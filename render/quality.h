@@ -50,10 +50,11 @@ struct Quality {
     /// Pixels along a side of what the scene is warped into, over those of the eye's picture. Below 1 it is faster and
     /// softer; above 1 each pixel is the mean of several (supersampling), which smooths edges.
     double resolutionScale = 1.0;
+
     /// A second pass shows at every pixel the mean of all samples that stand at the surface `warp` found: the best
     /// pictures, for several times the time.
     bool isBlended = false;
-    scene::BlendOptions blend; ///< of that pass
+    scene::BlendOptions blend{}; ///< of that pass
 };
 
 } // namespace render
