@@ -8,6 +8,7 @@ render::Quality qualityOf(const DrawOptions& o) {
     render::Quality quality;
     quality.warp = o.warp == "mesh" ? render::Warp::mesh : render::Warp::points;
     quality.preference.nearBaseline = static_cast<float>(o.nearBaseline);
+    quality.showUnseen = !o.hideUnseen;
     if (o.maxFootprint > 0) quality.maxFootprint = o.maxFootprint;
     return quality;
 }

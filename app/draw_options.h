@@ -13,6 +13,7 @@ struct DrawOptions {
     std::string warp = "points"; ///< points or mesh
     double eyeDistanceMetres = 0.063;
     double nearBaseline = scene::PreferenceOptions{}.nearBaseline;
+    bool hideUnseen = false;
     int maxFootprint = 0;                 ///< 0: as Quality has it
     std::size_t memoryBytes = 8ull << 30; ///< what the scene may take on the device
 };

@@ -68,6 +68,9 @@ void addBuild(CLI::App& program, app::BuildOptions& options, std::string& memory
                      "filled unless another image confirms it; 0: never")
         ->check(CLI::Range(0, 100))
         ->capture_default_str();
+    build->add_flag_callback(
+        "--no-coverage", [&] { options.findUnseen = false; },
+        "do not find out which space no image observed: nothing is shown as unseen");
     build->add_option("--tile-size", options.tileSize, "samples along the side of a tile")
         ->check(CLI::Range(1, scene::kMaxTileSize))
         ->capture_default_str();
@@ -103,6 +106,8 @@ void addDrawOptions(CLI::App& command, app::DrawOptions& options) {
         .add_option("--max-footprint", options.maxFootprint,
                     "points: widest square of pixels for a sample; 1: one pixel each")
         ->check(CLI::Range(1, 64));
+    command.add_flag("--hide-unseen", options.hideUnseen,
+                     "show space that no image ever observed as emptiness, not as striped darkness");
     refuse(command, "--quality", "the speed and accuracy table");
 }
 

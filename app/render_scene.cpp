@@ -57,6 +57,9 @@ void renderScene(const RenderOptions& options) {
     const render::Device device;
     const render::GpuScene gpuScene(device, scene.blocks);
 
+    std::optional<render::GpuCoverage> coverage;
+    if (scene.coverage && quality.showUnseen) coverage.emplace(device, *scene.coverage);
+
     std::error_code error;
     std::filesystem::create_directories(options.out, error);
     if (error)
@@ -70,7 +73,8 @@ void renderScene(const RenderOptions& options) {
     for (const NamedView& view : views) {
         if (!renderer || view.camera.width != drawn.width || view.camera.height != drawn.height) {
             renderer.reset();
-            renderer.emplace(device, gpuScene, view.camera.width, view.camera.height, eyes);
+            renderer.emplace(device, gpuScene, view.camera.width, view.camera.height, eyes,
+                             coverage ? &*coverage : nullptr);
         }
         drawn = view.camera;
         std::vector<scene::View> eyeViews{{view.camera, view.worldFromCamera}};
@@ -100,6 +104,7 @@ void renderScene(const RenderOptions& options) {
                                   {"eyes", eyes},
                                   {"near_baseline", quality.preference.nearBaseline},
                                   {"max_footprint", quality.maxFootprint},
+                                  {"shows_unseen", coverage.has_value()},
                                   {"ipd_m", options.draw.eyeDistanceMetres}};
     writeWhole(options.out / "report.json",
                report.summarise(device, gpuScene, settings)

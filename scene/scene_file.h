@@ -3,7 +3,8 @@
 //
 //   scene.json      what, from what, with which options, figures; frames; cameras (also of held-out images)
 //   images/*.tiff   the depth images as captured, with the flags that say what became of each sample
-//   (scene/depth_tiff.h) tiles.bin       what is drawn, GPU-ready:
+//   (scene/depth_tiff.h) coverage.bin    what was observed and what nobody ever saw (scene/coverage.h), if scene.json
+//   says so. tiles.bin       what is drawn, GPU-ready:
 //
 //     offset 0    FileHeader: magic "RVTILES" 0, version, byte order mark, number of blocks, file size, checksum of the
 //     header offset 64   BlockEntry for each image: offset, counts, checksum of the block; then the checksum of the
