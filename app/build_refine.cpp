@@ -15,7 +15,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr int kRefineVersion = 2, kCoverageVersion = 1;
+constexpr int kRefineVersion = 4, kCoverageVersion = 1;
 
 json describe(const scene::ComparisonOptions& o) {
     return {o.sameSurface, o.pixelError};
@@ -134,8 +134,9 @@ TileStage fuseAndCut(const ImportedImages& imported, const Overlaps& overlaps, c
                      const KeepStage& kept, const BuildOptions& options, StageStore& store) {
     scene::FusionOptions o = options.fusion;
     if (!options.fuse) o.maxPartners = 0;
-    const std::string key = keyOf({kRefineVersion, kept.key, o.maxPartners, o.angleRadians, o.colourStep,
-                                   describe(o.comparison), options.tileSize});
+    const std::string key =
+        keyOf({kRefineVersion, kept.key, o.maxPartners, o.angleRadians, o.colourStep, describe(o.comparison),
+               options.pyramid.tileSize, options.pyramid.facetTolerance, options.pyramid.sameSurface});
     const std::filesystem::path folder = store.folderOf("tiles", key);
     scene::ImageStore images = openImages(skins.images, options);
     TileStage stage;
@@ -150,7 +151,7 @@ TileStage fuseAndCut(const ImportedImages& imported, const Overlaps& overlaps, c
             const scene::DepthImage fused =
                 scene::fuse(images, i, overlaps.partners[i], readKept(kept.files[i], imported.images[i].camera), o);
             writeFlagsTiff(fused.flags, stage.flags[i]);
-            writeWhole(stage.blocks[i], scene::packTiles(scene::cutIntoTiles(fused, options.tileSize)));
+            writeWhole(stage.blocks[i], scene::packTiles(scene::cutIntoLevels(fused, options.pyramid)));
         }
         progress.advance();
     });
@@ -161,8 +162,8 @@ CoverageStage coverSpace(const SkinStage& skins, const BuildOptions& options, St
     CoverageStage stage;
     if (!options.findUnseen) return stage;
     const scene::CoverOptions& o = options.coverage;
-    const std::string key = keyOf({kCoverageVersion, skins.key, o.cellsPerSample, o.surfaceSamples, o.nearestMetres,
-                                   o.tolerance, o.maxNodes});
+    const std::string key = keyOf(
+        {kCoverageVersion, skins.key, o.cellsPerSample, o.surfaceSamples, o.nearestMetres, o.tolerance, o.maxNodes});
     Progress progress("coverage", 2 * skins.images.size());
     const std::filesystem::path folder = store.find("coverage", key, [&](const std::filesystem::path& part) {
         scene::ImageStore images = openImages(skins.images, options);

@@ -3,6 +3,7 @@
 
 #include "scene/project/cube_faces.h"
 #include "scene/project/dropouts.h"
+#include "scene/pyramid.h"
 #include "scene/refine/cover.h"
 #include "scene/refine/fusion.h"
 #include "scene/refine/redundancy.h"
@@ -22,7 +23,6 @@ struct BuildOptions {
     std::size_t memoryBytes = 8ull << 30; ///< pixels held at a time
     bool cull = true;                     ///< false: every sample is kept
     bool fuse = true;                     ///< false: kept samples stay as they were captured
-    int tileSize = scene::kDefaultTileSize;
     scene::CubeFaceOptions cubeFaces;
     scene::DropoutOptions dropouts;
     scene::GuessOptions guesses;
@@ -31,6 +31,7 @@ struct BuildOptions {
     scene::FusionOptions fusion;
     bool findUnseen = true; ///< false: no coverage is built, and nothing is ever shown as unseen
     scene::CoverOptions coverage;
+    scene::PyramidOptions pyramid;
 };
 
 /// Builds the scene folder; nothing stands under its name before it is whole. Throws scene::Failure.

@@ -8,6 +8,7 @@
 #include "input/settings.h"
 #include "scene/depth_tiff.h"
 #include "scene/errors.h"
+#include "scene/import/photo.h"
 #include "scene/scene_file.h"
 
 #include <cerrno>
@@ -44,11 +45,13 @@ json describeOptions(const BuildOptions& o) {
     return {{"hold_out", o.holdOut},
             {"cull", o.cull},
             {"fuse", o.fuse},
-            {"tile_size", o.tileSize},
+            {"tile_size", o.pyramid.tileSize},
+            {"mesh_tolerance", o.pyramid.facetTolerance},
             {"skin_planarity", o.skins.planarity},
             {"same_surface", o.skins.comparison.sameSurface},
             {"cull_preference", o.redundancy.preference},
             {"cull_baseline_share", o.redundancy.baselineShare},
+            {"cull_patch", o.redundancy.minPatchShare},
             {"guess_radius", o.guesses.radius},
             {"fusion_angle_rad", o.fusion.angleRadians},
             {"fusion_colour_step", o.fusion.colourStep}};
@@ -114,6 +117,19 @@ void writeImages(const std::filesystem::path& folder, const ImportedImages& impo
     });
 }
 
+/// The photographs that were kept out, as depth images: what the scene is measured against (scene/scene_file.h).
+void writeHeldOut(const std::filesystem::path& folder, const scene::Capture& capture,
+                  const std::vector<std::size_t>& heldOut) {
+    if (heldOut.empty()) return;
+    std::error_code error;
+    std::filesystem::create_directories(folder, error);
+    if (error) throw scene::Failure("cannot be made (" + error.message() + ")", folder, kWriteRemedy);
+    tbb::parallel_for(std::size_t{0}, heldOut.size(), [&](std::size_t i) {
+        const scene::DepthImage image = scene::readPhoto(capture.photos[heldOut[i]]);
+        writeDepthTiff(image, folder / (image.name + ".tiff"));
+    });
+}
+
 } // namespace
 
 void checkReplaceable(const std::filesystem::path& output) {
@@ -135,10 +151,12 @@ void writeScene(const std::filesystem::path& output, const scene::Capture& captu
     std::filesystem::remove_all(part, ignored);
     try {
         writeImages(part / "images", imported, tiles);
-        std::int64_t tileCount = 0, quads = 0, points = 0;
+        writeHeldOut(part / scene::kHeldOutFolder, capture, heldOut);
+        std::int64_t tileCount = 0, coarser = 0, quads = 0, points = 0, facets = 0;
         const auto tilesOf = [&](std::size_t i) {
             scene::TileSet set = scene::unpackTiles(readWhole(tiles.blocks[i]), tiles.blocks[i].string());
             tileCount += std::ssize(set.tiles), quads += std::ssize(set.quads);
+            coarser += std::ssize(set.coarser), facets += std::ssize(set.facets);
             for (const scene::Tile& tile : set.tiles)
                 points += tile.pointCount;
             return set;
@@ -190,6 +208,8 @@ void writeScene(const std::filesystem::path& output, const scene::Capture& captu
                         {"coverage_surface_m3", coverage.figures.surfaceCubicMetres},
                         {"coverage_empty_m3", coverage.figures.emptyCubicMetres},
                         {"tiles", tileCount},
+                        {"tiles_coarser", coarser},
+                        {"facets_stored", facets},
                         {"points_stored", points},
                         {"quads_stored", quads}}}};
         writeWhole(part / "scene.json", textOf(manifest));

@@ -5,11 +5,10 @@
 namespace app {
 
 render::Quality qualityOf(const DrawOptions& o) {
-    render::Quality quality;
-    quality.warp = o.warp == "mesh" ? render::Warp::mesh : render::Warp::points;
-    quality.preference.nearBaseline = static_cast<float>(o.nearBaseline);
+    render::Quality quality = readQuality(o.quality);
+    for (const auto& [name, value] : o.turned)
+        turnKnob(quality, name, value, "the command line");
     quality.showUnseen = !o.hideUnseen;
-    if (o.maxFootprint > 0) quality.maxFootprint = o.maxFootprint;
     return quality;
 }
 

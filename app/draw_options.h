@@ -1,23 +1,24 @@
 #pragma once
-// How a scene is drawn: what render and walk have in common on the command line.
+// How a scene is drawn: what render, walk and measure have in common on the command line.
 
-#include "render/quality.h"
+#include "app/quality_file.h"
 #include "scene/scene.h"
 
-#include <filesystem>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace app {
 
 struct DrawOptions {
-    std::string warp = "points"; ///< points or mesh
+    std::string quality = kDefaultPreset;                       ///< a preset, or a file of knobs
+    std::vector<std::pair<std::string, nlohmann::json>> turned; ///< knobs of their own options: they win
     double eyeDistanceMetres = 0.063;
-    double nearBaseline = scene::PreferenceOptions{}.nearBaseline;
-    bool hideUnseen = false;
-    int maxFootprint = 0;                 ///< 0: as Quality has it
+    bool hideUnseen = false;              ///< space that nobody observed is shown as emptiness
     std::size_t memoryBytes = 8ull << 30; ///< what the scene may take on the device
 };
 
+/// Throws scene::Failure.
 render::Quality qualityOf(const DrawOptions& options);
 
 /// All tiles are made resident: what they take must be allowed before it is taken. Throws scene::Failure.

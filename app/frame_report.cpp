@@ -46,7 +46,7 @@ double processorMilliseconds(const render::FrameStats& stats) {
 
 } // namespace
 
-void FrameReport::add(const std::string&, const render::FrameStats& stats, double wallMilliseconds) {
+void FrameReport::add(const render::FrameStats& stats, double wallMilliseconds) {
     ++frames_;
     last_ = stats;
     milliseconds_["wall.frame"].add(wallMilliseconds);

@@ -18,7 +18,7 @@ namespace app {
 class FrameReport {
   public:
     /// wallMilliseconds: from the call of draw until the frame was finished on the device.
-    void add(const std::string& name, const render::FrameStats& stats, double wallMilliseconds);
+    void add(const render::FrameStats& stats, double wallMilliseconds);
 
     /// Median, p95, p99 and maximum of every step, tiles and samples; `settings` (warp, size, eyes, ...) goes in as it
     /// is.

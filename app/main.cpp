@@ -2,6 +2,7 @@
 
 #include "app/build_scene.h"
 #include "app/info.h"
+#include "app/measure_scene.h"
 #include "app/render_scene.h"
 #include "app/sizes.h"
 #include "app/version.h"
@@ -13,6 +14,7 @@
 
 #include <tbb/global_control.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <new>
 #include <optional>
@@ -58,6 +60,11 @@ void addBuild(CLI::App& program, app::BuildOptions& options, std::string& memory
         ->check(CLI::Range(0.0, 10.0))
         ->capture_default_str();
     build
+        ->add_option("--cull-patch", options.redundancy.minPatchShare,
+                     "a tile is kept again, whole, where at least this share of it is wanted")
+        ->check(CLI::Range(0.0, 1.0))
+        ->capture_default_str();
+    build
         ->add_option("--same-surface", options.skins.comparison.sameSurface,
                      "relative difference in depth up to which two images mean the same surface")
         ->check(CLI::Range(1e-5, 0.5))
@@ -71,7 +78,12 @@ void addBuild(CLI::App& program, app::BuildOptions& options, std::string& memory
     build->add_flag_callback(
         "--no-coverage", [&] { options.findUnseen = false; },
         "do not find out which space no image observed: nothing is shown as unseen");
-    build->add_option("--tile-size", options.tileSize, "samples along the side of a tile")
+    build
+        ->add_option("--mesh-tolerance", options.pyramid.facetTolerance,
+                     "share of depth by which the adaptive mesh may leave the samples")
+        ->check(CLI::Range(0.0, 0.1))
+        ->capture_default_str();
+    build->add_option("--tile-size", options.pyramid.tileSize, "samples along the side of a tile")
         ->check(CLI::Range(1, scene::kMaxTileSize))
         ->capture_default_str();
     build->add_option("--memory", memory, "pixels held at a time, e.g. 8G")->capture_default_str();
@@ -89,26 +101,38 @@ void addBuild(CLI::App& program, app::BuildOptions& options, std::string& memory
                   "may be removed.");
 }
 
+std::string optionOf(const app::Knob& knob) {
+    std::string option = "--" + knob.name;
+    std::replace(option.begin(), option.end(), '_', '-');
+    return option;
+}
+
 /// How a scene is drawn: the same wherever one is.
 void addDrawOptions(CLI::App& command, app::DrawOptions& options) {
-    command.add_option("--warp", options.warp, "points, mesh")
-        ->check(CLI::IsMember({"points", "mesh"}))
-        ->capture_default_str();
+    const std::string group = "Speed and accuracy";
+    command.add_option("--quality", options.quality, "fast, balanced, best, or a JSON file of knobs")
+        ->capture_default_str()
+        ->group(group);
+    for (const app::Knob& knob : app::knobs())
+        command
+            .add_option_function<std::string>(
+                optionOf(knob),
+                [&options, &knob](const std::string& text) {
+                    nlohmann::json value = nlohmann::json::parse(text, nullptr, false);
+                    if (value.is_discarded()) value = text; // a name
+                    render::Quality probe;
+                    if (!knob.set(probe, value))
+                        throw CLI::ValidationError(optionOf(knob) + ": " + text + " is not " + knob.values);
+                    options.turned.emplace_back(knob.name, std::move(value));
+                },
+                knob.does + ": " + knob.values)
+            ->type_name("")
+            ->group(group);
+    command.add_flag("--hide-unseen", options.hideUnseen,
+                     "show space that no image ever observed as emptiness instead of dark stripes");
     command.add_option("--ipd", options.eyeDistanceMetres, "metres between the eyes")
         ->check(CLI::Range(0.0, 1.0))
         ->capture_default_str();
-    command
-        .add_option("--near-baseline", options.nearBaseline,
-                    "images taken from within this share of a surface's distance are preferred there; 0: the nearest "
-                    "sample wins")
-        ->check(CLI::Range(0.0, 10.0));
-    command
-        .add_option("--max-footprint", options.maxFootprint,
-                    "points: widest square of pixels for a sample; 1: one pixel each")
-        ->check(CLI::Range(1, 64));
-    command.add_flag("--hide-unseen", options.hideUnseen,
-                     "show space that no image ever observed as emptiness, not as striped darkness");
-    refuse(command, "--quality", "the speed and accuracy table");
 }
 
 void addThreads(CLI::App& command, int& threads) {
@@ -166,6 +190,36 @@ void addWalk(CLI::App& program, app::WalkOptions& options, std::string& size, st
         "  revisit walk room.revisit --headless --path walk.json --out report");
 }
 
+void addMeasure(CLI::App& program, app::MeasureOptions& options, std::string& size, std::string& memory, int& threads) {
+    CLI::App* measure = program.add_subcommand(
+        "measure", "Try settings of drawing: how long frames take, how far pictures are from held-out photographs.");
+    measure->add_option("SCENE", options.scene, "folder that 'revisit build --hold-out' made")->required();
+    measure->add_option("--out", options.out, "folder for report.json, table.md and the worst pictures")->required();
+    measure->add_option("--cameras", options.cameras,
+                        "cameras file with what each took beside it: NAME.png, .jpg or .tiff, and NAME-depth.tiff if "
+                        "known; without it: the held-out photographs");
+    measure->add_option("--path", options.path, "path file that is timed; without it: from camera to camera");
+    measure->add_option("--size", size, "WxH of an eye along the path; default 640x480");
+    measure->add_option("--frames", options.frames, "so many along the path")
+        ->check(CLI::Range(1, 100000))
+        ->capture_default_str();
+    auto* settings = measure->add_option("--settings", options.settings,
+                                         "file of settings to measure: {\"settings\": [{\"name\": \"a\", knobs}]}");
+    measure
+        ->add_option("--sweep", options.sweep,
+                     "knobs to turn one at a time, by their names in files; without it: all of them")
+        ->delimiter(',')
+        ->excludes(settings);
+    addDrawOptions(*measure, options.draw);
+    measure->add_option("--memory", memory, "what the scene may take, e.g. 8G")->capture_default_str();
+    addThreads(*measure, threads);
+    measure->footer(
+        "Every setting is drawn at every place in turn, so that what else the machine does meets all alike.\n"
+        "Examples:\n"
+        "  revisit measure room.revisit --out figures\n"
+        "  revisit measure room.revisit --out figures --quality best --sweep resolution_scale");
+}
+
 int run(int argc, char** argv) {
     CLI::App program{"Revisit: walk back into a place that was photographed or scanned with depth."};
     program.set_version_flag("--version", std::string("revisit ") + app::kVersion + " (" + app::kCommit + ")");
@@ -177,6 +231,7 @@ int run(int argc, char** argv) {
     app::BuildOptions buildOptions;
     app::RenderOptions renderOptions;
     app::WalkOptions walkOptions;
+    app::MeasureOptions measureOptions;
     std::string memory = "8G", size;
     std::filesystem::path infoScene;
     bool infoAsJson = false;
@@ -184,6 +239,7 @@ int run(int argc, char** argv) {
     addBuild(program, buildOptions, memory, threads);
     addRender(program, renderOptions, size, memory, threads);
     addWalk(program, walkOptions, size, memory, threads);
+    addMeasure(program, measureOptions, size, memory, threads);
     CLI::App* info = program.add_subcommand("info", "Say what a scene is and what was built into it.");
     info->add_option("SCENE", infoScene, "folder that 'revisit build' made")->required();
     info->add_flag("--json", infoAsJson, "as JSON, for programs");
@@ -192,22 +248,25 @@ int run(int argc, char** argv) {
     try {
         program.parse(argc, argv);
         buildOptions.memoryBytes = app::parseBytes(memory);
-        renderOptions.draw.memoryBytes = walkOptions.draw.memoryBytes = buildOptions.memoryBytes;
+        renderOptions.draw.memoryBytes = walkOptions.draw.memoryBytes = measureOptions.draw.memoryBytes =
+            buildOptions.memoryBytes;
         if (!size.empty()) {
             std::tie(renderOptions.width, renderOptions.height) = app::parseSize(size);
             std::tie(walkOptions.width, walkOptions.height) = app::parseSize(size);
+            std::tie(measureOptions.width, measureOptions.height) = app::parseSize(size);
         }
     } catch (const CLI::ParseError& e) {
         return program.exit(e) == 0 ? kDone : kWrongUsage;
     }
     buildOptions.redundancy.comparison = buildOptions.fusion.comparison = buildOptions.skins.comparison;
-    buildOptions.redundancy.tileSize = buildOptions.tileSize;
+    buildOptions.redundancy.tileSize = buildOptions.pyramid.tileSize;
 
     std::optional<tbb::global_control> limit;
     if (threads > 0) limit.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
     if (program.got_subcommand("build")) app::buildScene(buildOptions);
     if (program.got_subcommand("render")) app::renderScene(renderOptions);
     if (program.got_subcommand("walk")) app::walkScene(walkOptions);
+    if (program.got_subcommand("measure")) app::measureScene(measureOptions);
     if (program.got_subcommand("info")) app::printInfo(infoScene, infoAsJson);
     return kDone;
 }

@@ -29,20 +29,13 @@ scene::Camera pathCamera(const RenderOptions& o) {
     return {width, height, focal, focal, width / 2.0, height / 2.0};
 }
 
-/// The same picture in another size: the field of view stays.
-scene::Camera resized(const scene::Camera& c, int width, int height) {
-    if (width == 0) return c;
-    const double sx = static_cast<double>(width) / c.width, sy = static_cast<double>(height) / c.height;
-    return {width, height, c.fx * sx, c.fy * sy, c.cx * sx, c.cy * sy};
-}
-
 std::vector<NamedView> listViews(const RenderOptions& o, const scene::Scene& scene) {
     if (!o.path.empty()) return readPathFile(o.path, scene.walkFromWorld, pathCamera(o));
     std::vector<NamedView> views = o.cameras.empty() ? heldOutViews(scene) : readCamerasFile(o.cameras);
     if (views.empty())
         throw scene::Failure("has no held-out cameras to draw", o.scene, "give --path FILE or --cameras FILE");
     for (NamedView& view : views)
-        view.camera = resized(view.camera, o.width, o.height);
+        if (o.width > 0) view.camera = scene::resized(view.camera, o.width, o.height);
     return views;
 }
 
@@ -86,7 +79,7 @@ void renderScene(const RenderOptions& options) {
         renderer->draw(eyeViews, quality);
         const render::FrameStats stats = renderer->finish();
         const std::chrono::duration<double, std::milli> passed = std::chrono::steady_clock::now() - start;
-        report.add(view.name, stats, passed.count());
+        report.add(stats, passed.count());
 
         const std::vector<render::EyeImage> images = renderer->readBack();
         for (std::size_t eye = 0; eye < images.size(); ++eye)
@@ -97,15 +90,13 @@ void renderScene(const RenderOptions& options) {
                           options.aux);
         progress.advance();
     }
-    const nlohmann::json settings{{"scene", options.scene.string()},
-                                  {"warp", options.draw.warp},
-                                  {"width", drawn.width},
-                                  {"height", drawn.height},
-                                  {"eyes", eyes},
-                                  {"near_baseline", quality.preference.nearBaseline},
-                                  {"max_footprint", quality.maxFootprint},
-                                  {"shows_unseen", coverage.has_value()},
-                                  {"ipd_m", options.draw.eyeDistanceMetres}};
+    nlohmann::json settings{{"scene", options.scene.string()},
+                            {"width", drawn.width},
+                            {"height", drawn.height},
+                            {"eyes", eyes},
+                            {"ipd_m", options.draw.eyeDistanceMetres}};
+    settings.update(toJson(quality));
+    settings["shows_unseen"] = coverage.has_value();
     writeWhole(options.out / "report.json",
                report.summarise(device, gpuScene, settings)
                        .dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + // paths need not be UTF-8

@@ -228,7 +228,7 @@ void Walk::drawFrame(WalkStage& stage, xr::ViewSource& source, const xr::Frame& 
     draw(stage, source, frame);
     source.end(frame);
     const std::chrono::duration<double, std::milli> passed = std::chrono::steady_clock::now() - start;
-    report_.add({}, stats_, passed.count());
+    report_.add(stats_, passed.count());
     ++frame_;
 }
 
@@ -452,14 +452,12 @@ void Walk::mirror(render::Renderer& renderer, bool isAtDesk, const xr::Frame& fr
 }
 
 json Walk::reportOf(const WalkStage& stage) const {
-    return report_.summarise(stage.device(), stage.gpuScene(),
-                             {{"scene", options_.scene.string()},
-                              {"display", stage.name()},
-                              {"hidden_share", stage.hiddenShares()},
-                              {"warp", knobs_.quality.warp == render::Warp::mesh ? "mesh" : "points"},
-                              {"eyes", xr::kEyes},
-                              {"near_baseline", knobs_.quality.preference.nearBaseline},
-                              {"max_footprint", knobs_.quality.maxFootprint}});
+    json settings{{"scene", options_.scene.string()},
+                  {"display", stage.name()},
+                  {"hidden_share", stage.hiddenShares()},
+                  {"eyes", xr::kEyes}};
+    settings.update(toJson(knobs_.quality));
+    return report_.summarise(stage.device(), stage.gpuScene(), std::move(settings));
 }
 
 } // namespace app

@@ -40,13 +40,14 @@ TileDraw tileDrawOf(const glm::dmat4& c, const ResidentTile& tile, int orderLeve
         const glm::dvec4 h = c * sample;
         return glm::dvec4(h.x, h.y, h.z, h.w * perScale);
     };
-    const double step = (static_cast<double>(tile.maxDisparity) - tile.minDisparity) / scene::kMaxQuantisedDisparity;
+    const double step =
+        (static_cast<double>(tile.maxDisparity) - tile.minDisparity) / scene::maxQuantisedOf(tile.placeBits);
     TileDraw draw;
     draw.base = glm::vec4(hOf({tile.x0 + 0.5, tile.y0 + 0.5, 1.0, tile.minDisparity}));
     draw.perX = glm::vec4(hOf({1, 0, 0, 0}));
     draw.perY = glm::vec4(hOf({0, 1, 0, 0}));
     draw.perQ = glm::vec4(hOf({0, 0, 0, step}));
-    draw.span = {tile.firstVertex, 0, 0, packMark(static_cast<uint>(orderLevel), classOf(tile), 1)};
+    draw.span = {tile.firstVertex, 0, 0, packMark(static_cast<uint>(orderLevel), classOf(tile), tile.placeBits, 1)};
     return draw;
 }
 
@@ -102,7 +103,7 @@ void buildDrawList(std::span<const ResidentTile> tiles, const TileBounds& bounds
             draw.span.z = itemsOf(tile, quality.warp);
             draw.span.y = quality.warp == Warp::points ? tile.firstVertex : tile.firstQuad;
             const std::uint32_t footprint = quality.warp == Warp::points ? footprintOf(c, bounds, number, quality) : 1;
-            draw.span.w = packMark(static_cast<uint>(level), classOf(tile), footprint);
+            draw.span.w = packMark(static_cast<uint>(level), classOf(tile), tile.placeBits, footprint);
             draws[i] = draw;
         }
     });

@@ -51,7 +51,7 @@ void GpuScene::layOut(std::span<const scene::TileBlock> blocks, std::size_t page
             if (vertices + tile.vertexCount > maxVertices || quads + tile.quadCount > maxQuads)
                 ++page, vertices = 0, quads = 0;
             tiles_.push_back({image, page, vertices, tile.pointCount, quads, tile.quadCount, tile.x0, tile.y0,
-                              tile.minDisparity, tile.maxDisparity,
+                              tile.minDisparity, tile.maxDisparity, tile.placeBits,
                               scene::middleOf(tile, block.camera, block.worldFromCamera)});
             bounds_.append(tile, block.camera);
             vertices += tile.vertexCount, quads += tile.quadCount;

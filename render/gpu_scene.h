@@ -24,6 +24,7 @@ struct ResidentTile {
     std::uint32_t firstVertex = 0, pointCount = 0, firstQuad = 0, quadCount = 0;
     std::int32_t x0 = 0, y0 = 0; ///< first sample in the image
     float minDisparity = 0, maxDisparity = 0;
+    std::uint32_t placeBits = scene::kPlaceBits;
     scene::TileMiddle middle;
 };
 

@@ -1,6 +1,7 @@
 #pragma once
 // Every knob that trades speed for accuracy while drawing.
 
+#include "render/shaders/shared/hole_fill.h"
 #include "scene/preference.h"
 
 namespace render {
@@ -9,6 +10,8 @@ enum class Warp {
     points, ///< each sample a square of pixels
     mesh    ///< two triangles in each square of four samples
 };
+
+inline constexpr double kMinResolutionScale = 0.1, kMaxResolutionScale = 4;
 
 struct Quality {
     Warp warp = Warp::points;
@@ -30,6 +33,12 @@ struct Quality {
 
     /// An eye that stands in unseen space itself looks through as much of it, metres of depth; 0: through none.
     double unseenPocketMetres = 1;
+    /// Pixels that no sample reached, between two ends of one surface, are filled from as far as this. Off unless asked
+    /// for, as the preference is.
+    HoleFill holes{.radius = 0, .sameSurface = 0.03f, .sameColour = 255, .pinholeDepth = 0};
+    /// Pixels along a side of what the scene is warped into, over those of the eye's picture. Below 1 it is faster and
+    /// softer; above 1 each pixel is the mean of several (supersampling), which smooths edges.
+    double resolutionScale = 1.0;
 };
 
 } // namespace render

@@ -4,6 +4,7 @@
 
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
 #include <cassert>
 
 namespace render {
@@ -43,22 +44,14 @@ Renderer::Renderer(const Device& device, const GpuScene& scene, int width, int h
                                                 makeWarpPass(device, Warp::mesh, scene.pageLayout(), eyeLayout_)},
       resolve_(makeComputePipeline(device, kResolveCode, std::array<VkDescriptorSetLayout, 1>{eyeLayout_},
                                    sizeof(ResolveConstants), std::array{resolveWorkgroupSize(device)})),
-      depthPass_(makeDepthPass(device)), overlay_(makeOverlayPass(device, eyeLayout_)), coverage_(coverage),
-      unseen_(coverage != nullptr ? makeUnseenPipeline(device, *coverage, eyeLayout_) : ComputePipeline{}), streams_(device, eyes) {
+      rescale_(makeRescalePass(device)), depthPass_(makeDepthPass(device)),
+      overlay_(makeOverlayPass(device, eyeLayout_)), coverage_(coverage),
+      unseen_(coverage != nullptr ? makeUnseenPipeline(device, *coverage, eyeLayout_) : ComputePipeline{}),
+      streams_(device, eyes) {
     assert(width > 0 && height > 0 && eyes >= 1 && eyes <= kMaxEyes);
     for (int eye = 0; eye < eyes; ++eye)
-        eyes_.push_back({makeEyeTarget(device, eyeLayout_, width, height, scene.tiles().size()),
-                         {StepTimer(device), StepTimer(device)},
-                         {},
-                         {},
-                         {},
-                         {},
-                         {},
-                         {},
-                         {},
-                         {},
-                         {},
-                         {}});
+        eyes_.push_back({.target = makeEyeTarget(device, eyeLayout_, width, height, scene.tiles().size()),
+                         .timers = {StepTimer(device), StepTimer(device)}});
 }
 
 FrameStats Renderer::draw(std::span<const scene::View> views, const Quality& quality,
@@ -73,6 +66,7 @@ FrameStats Renderer::draw(std::span<const scene::View> views, const Quality& qua
         readTimes(slot, stats.gpu);
     }
 
+    chooseResolution(quality);
     tbb::parallel_for(std::size_t{0}, eyes_.size(), [&](std::size_t i) {
         const int index = static_cast<int>(i);
         prepare(eyes_[i], views[i], quality, slot, index);
@@ -102,8 +96,28 @@ FrameStats Renderer::draw(std::span<const scene::View> views, const Quality& qua
     return stats;
 }
 
-void Renderer::prepare(Eye& eye, const scene::View& view, const Quality& quality, std::size_t slot, int index) {
-    assert(view.camera.width == width_ && view.camera.height == height_);
+void Renderer::chooseResolution(const Quality& quality) {
+    assert(quality.resolutionScale >= kMinResolutionScale && quality.resolutionScale <= kMaxResolutionScale);
+    const int width = scaledSide(width_, quality.resolutionScale),
+              height = scaledSide(height_, quality.resolutionScale);
+    // Room for the eye's own size at least: whoever trades resolution for speed changes it again and again.
+    const int roomWidth = std::max(width, width_), roomHeight = std::max(height, height_);
+    const std::size_t room = static_cast<std::size_t>(roomWidth) * static_cast<std::size_t>(roomHeight);
+    const bool isScaled = width != width_ || height != height_;
+    for (Eye& eye : eyes_) {
+        eye.isScaled = isScaled, eye.warpWidth = width, eye.warpHeight = height;
+        if (!isScaled || (eye.scaled && eye.scaled->pixels >= room)) continue;
+        for (std::size_t slot = 0; slot < kFramesInFlight; ++slot)
+            streams_.wait(slot); // the one that goes may be in use
+        eye.scaled.reset();
+        eye.scaled =
+            makeScaledTarget(device_, rescale_, eyeLayout_, eye.target, roomWidth, roomHeight, scene_.tiles().size());
+    }
+}
+
+void Renderer::prepare(Eye& eye, const scene::View& given, const Quality& quality, std::size_t slot, int index) {
+    assert(given.camera.width == width_ && given.camera.height == height_);
+    const scene::View view{scene::resized(given.camera, eye.warpWidth, eye.warpHeight), given.worldFromEye};
     eye.times.clear();
     timed(eye.times, "cull", index, [&] {
         eye.eyeImagesFromSources.clear();
@@ -113,13 +127,13 @@ void Renderer::prepare(Eye& eye, const scene::View& view, const Quality& quality
             const glm::dmat4 c = scene::eyeImageFromSourceImage(view, image.camera, image.worldFromCamera);
             eye.eyeImagesFromSources.push_back(c);
             eye.eyeFromCameras.push_back(view.worldFromEye.translation - image.worldFromCamera.translation);
-            eye.planes.push_back(planesOf(c, width_, height_, marginOf(quality), image.extent));
+            eye.planes.push_back(planesOf(c, eye.warpWidth, eye.warpHeight, marginOf(quality), image.extent));
         }
         cull(scene_.bounds(), scene_.pieces(), eye.planes, eye.visible);
     });
     timed(eye.times, "list", index, [&] {
         buildDrawList(scene_.tiles(), scene_.bounds(), scene_.pieces(), eye.eyeImagesFromSources, eye.eyeFromCameras,
-                      eye.visible, quality, eye.target.draws[slot].as<TileDraw>(), eye.list);
+                      eye.visible, quality, eye.warped().draws[slot].as<TileDraw>(), eye.list);
     });
 }
 
@@ -141,34 +155,45 @@ void Renderer::recordCommands(Eye& eye, const scene::View& view, const Quality& 
                               std::size_t slot, int index) {
     timed(eye.times, "record", index, [&] {
         const VkCommandBuffer commands = streams_.begin(slot, index);
-        const VkDescriptorSet eyeSet = eye.target.sets[slot];
+        const VkDescriptorSet eyeSet = eye.warped().sets[slot];
         StepTimer& timer = eye.timers[slot];
         record(commands, kAfterLastFrame);
         timer.begin(commands);
 
-        vkCmdFillBuffer(commands, eye.target.zBuffer.handle(), 0, VK_WHOLE_SIZE, 0);
+        const VkDeviceSize pixels =
+            static_cast<VkDeviceSize>(eye.warpWidth) * static_cast<VkDeviceSize>(eye.warpHeight);
+        vkCmdFillBuffer(commands, eye.warped().zBuffer.handle(), 0, pixels * sizeof(std::uint64_t), 0);
         record(commands, kAfterClear);
         timer.mark(commands, "clear");
 
         const WarpPass& warp = warps_[static_cast<std::size_t>(quality.warp)];
-        recordWarp(commands, warp, scene_, eyeSet, eye.list.runs, width_, height_);
+        recordWarp(commands, warp, scene_, eyeSet, eye.list.runs, eye.warpWidth, eye.warpHeight);
         record(commands, kAfterWarp);
         timer.mark(commands, "warp");
 
-        recordResolve(commands, eyeSet);
+        recordResolve(commands, eye, eyeSet, quality.holes);
         record(commands, kAfterResolve);
         timer.mark(commands, "resolve");
 
         if (coverage_ != nullptr && quality.showUnseen) {
             record(commands, kBetweenPictures);
-            recordUnseen(commands, unseen_, *coverage_, eyeSet, view, quality);
+            recordUnseen(commands, unseen_, *coverage_, eyeSet,
+                         scene::View{scene::resized(view.camera, eye.warpWidth, eye.warpHeight), view.worldFromEye},
+                         quality);
             record(commands, kAfterResolve);
             timer.mark(commands, "unseen");
         }
 
+        if (eye.isScaled) {
+            record(commands, kBetweenPictures);
+            recordRescale(commands, rescale_, *eye.scaled, eye.warpWidth, eye.warpHeight, width_, height_);
+            record(commands, kAfterResolve);
+            timer.mark(commands, "rescale");
+        }
+
         if (!eye.overlay.bins.empty()) {
             record(commands, kBetweenPictures);
-            recordOverlay(commands, overlay_, eye.overlay, eye.overlayBuffers[slot], eyeSet);
+            recordOverlay(commands, overlay_, eye.overlay, eye.overlayBuffers[slot], eye.target.sets[slot]);
             record(commands, kAfterResolve);
             timer.mark(commands, "overlay");
         }
@@ -193,12 +218,13 @@ void Renderer::recordKeeping(VkCommandBuffer commands, Eye& eye, std::size_t slo
     record(commands, kAfterKeeping);
 }
 
-void Renderer::recordResolve(VkCommandBuffer commands, VkDescriptorSet eyeSet) const {
-    const ResolveConstants constants{static_cast<std::uint32_t>(width_)};
+void Renderer::recordResolve(VkCommandBuffer commands, const Eye& eye, VkDescriptorSet eyeSet,
+                             const HoleFill& holes) const {
+    const ResolveConstants constants{eye.warpWidth, eye.warpHeight, holes};
     vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, resolve_.pipeline);
     vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, resolve_.layout, 0, 1, &eyeSet, 0, nullptr);
     vkCmdPushConstants(commands, resolve_.layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof constants, &constants);
-    vkCmdDispatch(commands, static_cast<std::uint32_t>(height_), 1, 1);
+    vkCmdDispatch(commands, static_cast<std::uint32_t>(eye.warpHeight), 1, 1);
 }
 
 void Renderer::readTimes(std::size_t slot, std::vector<StepTime>& times) const {

@@ -8,6 +8,7 @@
 #include "render/gpu_scene.h"
 #include "render/output.h"
 #include "render/overlay_pass.h"
+#include "render/post/rescale.h"
 #include "render/post/unseen.h"
 #include "render/quality.h"
 #include "render/readback.h"
@@ -33,7 +34,8 @@ struct EyeCounts {
 struct FrameStats {
     std::uint64_t frame = 0;
     std::vector<StepTime> cpu; ///< wait, cull, list, overlay, record, submit
-    std::vector<StepTime> gpu; ///< clear, warp, resolve, unseen, overlay; of the frame gpuFrame, empty while none has finished
+    std::vector<StepTime> gpu; ///< clear, warp, resolve, unseen, rescale, overlay; of the frame gpuFrame, empty while
+                               ///< none has finished
     std::uint64_t gpuFrame = 0;
     std::array<EyeCounts, kMaxEyes> eyes{};
 };
@@ -75,24 +77,30 @@ class Renderer {
     /// What one eye keeps to itself, so that the eyes need not wait for one another.
     struct Eye {
         EyeTarget target;
+        std::optional<ScaledTarget> scaled{}; ///< made when first wanted
+        bool isScaled = false;                ///< in this frame
+        int warpWidth = 0, warpHeight = 0;    ///< what the scene is warped into in this frame
+        /// Where the scene is warped and resolved.
+        const EyeTarget& warped() const { return isScaled ? scaled->target : target; }
         std::array<StepTimer, kFramesInFlight> timers;
-        std::vector<glm::dmat4> eyeImagesFromSources;
-        std::vector<glm::dvec3> eyeFromCameras;
-        std::vector<ImagePlanes> planes;
-        VisibleTiles visible;
-        DrawList list;
-        std::vector<StepTime> times;
+        std::vector<glm::dmat4> eyeImagesFromSources{};
+        std::vector<glm::dvec3> eyeFromCameras{};
+        std::vector<ImagePlanes> planes{};
+        VisibleTiles visible{};
+        DrawList list{};
+        std::vector<StepTime> times{};
         std::array<Buffer, kFramesInFlight> kept{}; ///< copies of the colours; made when first wanted
         std::optional<DepthBuffers> depth{};        ///< made when first wanted
-        OverlayList overlay;
+        OverlayList overlay{};
         std::array<OverlayBuffers, kFramesInFlight> overlayBuffers{}; ///< made when first wanted
     };
+    void chooseResolution(const Quality& quality);
     void prepare(Eye& eye, const scene::View& view, const Quality& quality, std::size_t slot, int index);
     void prepareOverlay(Eye& eye, const scene::View& view, const Overlay& overlay, std::size_t slot, int index);
     void recordCommands(Eye& eye, const scene::View& view, const Quality& quality, const EyeOutput& output,
                         std::size_t slot, int index);
     void recordKeeping(VkCommandBuffer commands, Eye& eye, std::size_t slot) const;
-    void recordResolve(VkCommandBuffer commands, VkDescriptorSet eyeSet) const;
+    void recordResolve(VkCommandBuffer commands, const Eye& eye, VkDescriptorSet eyeSet, const HoleFill& holes) const;
     void readTimes(std::size_t slot, std::vector<StepTime>& times) const;
 
     const Device& device_;
@@ -101,6 +109,7 @@ class Renderer {
     DescriptorSetLayout eyeLayout_;
     std::array<WarpPass, 2> warps_; ///< by Warp
     ComputePipeline resolve_;
+    RescalePass rescale_;
     DepthPass depthPass_;
     OverlayPass overlay_;
     const GpuCoverage* coverage_;

@@ -22,6 +22,11 @@ glm::dmat4 imageFromCamera(const Camera& camera) {
     return inverseOfE;
 }
 
+Camera resized(const Camera& c, int width, int height) {
+    const double sx = static_cast<double>(width) / c.width, sy = static_cast<double>(height) / c.height;
+    return {width, height, c.fx * sx, c.fy * sy, c.cx * sx, c.cy * sy};
+}
+
 bool isUsable(const Camera& camera) {
     return camera.width > 0 && camera.height > 0 && std::isfinite(camera.fx) && std::isfinite(camera.fy) &&
            std::isfinite(camera.cx) && std::isfinite(camera.cy) && camera.fx > 0 && camera.fy > 0;

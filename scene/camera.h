@@ -31,6 +31,9 @@ inline glm::dvec2 project(const Camera& camera, const glm::dvec3& pInCamera) {
     return {camera.fx * pInCamera.x / pInCamera.z + camera.cx, camera.fy * pInCamera.y / pInCamera.z + camera.cy};
 }
 
+/// The same view in a picture of another size.
+Camera resized(const Camera& camera, int width, int height);
+
 /// True if sizes are positive and all numbers finite with positive focal lengths.
 bool isUsable(const Camera& camera);
 

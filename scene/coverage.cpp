@@ -116,8 +116,9 @@ std::array<double, 3> volumesOf(const Coverage& coverage) {
 
 double finestCellOf(const Coverage& coverage) {
     double finest = coverage.edgeMetres;
-    forEachCell(coverage, 0, coverage.edgeMetres,
-                [&](Observed, std::uint64_t cells, double edge) { finest = cells != 0 ? std::min(finest, edge) : finest; });
+    forEachCell(coverage, 0, coverage.edgeMetres, [&](Observed, std::uint64_t cells, double edge) {
+        finest = cells != 0 ? std::min(finest, edge) : finest;
+    });
     return finest;
 }
 

@@ -44,8 +44,8 @@ std::vector<double> heightsOf(const std::vector<TileBlock>& blocks, const glm::d
                 const TileVertex& vertex = block.vertices[tile.firstVertex + i];
                 const double disparity = disparityOf(tile, vertex);
                 if (!(disparity > 0)) continue;
-                const glm::dvec3 ray = rayThrough(block.camera, tile.x0 + (vertex.place & 63u) + 0.5,
-                                                  tile.y0 + (vertex.place >> 6 & 63u) + 0.5);
+                const VertexPlace place = placeOf(tile, vertex);
+                const glm::dvec3 ray = rayThrough(block.camera, tile.x0 + place.x + 0.5, tile.y0 + place.y + 0.5);
                 heights.push_back(glm::dot(up, block.worldFromCamera * (ray / disparity)));
             }
         }

@@ -27,7 +27,7 @@ struct Scene {
     Pose walkFromWorld;              ///< metres, +Y up, floor at Y = 0, the start at the origin
     std::string manifest;            ///< scene.json as it was written
     MappedFile tilesFile;
-    std::vector<TileBlock> blocks; ///< one for each image, in the same order
+    std::vector<TileBlock> blocks;    ///< one for each image, in the same order
     std::optional<Coverage> coverage; ///< what was observed; scenes of before have none
 };
 

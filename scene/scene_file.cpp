@@ -1,6 +1,7 @@
 #include "scene/scene_file.h"
 
 #include "scene/errors.h"
+#include "scene/pyramid.h"
 
 #include <algorithm>
 #include <array>
@@ -25,7 +26,7 @@ using nlohmann::json;
 static_assert(std::endian::native == std::endian::little, "tiles.bin is little-endian and mapped as it is");
 
 constexpr std::array<char, 8> kMagic{'R', 'V', 'T', 'I', 'L', 'E', 'S', 0};
-constexpr std::uint32_t kVersion = 1, kByteOrderMark = 0x01020304;
+constexpr std::uint32_t kVersion = 2, kByteOrderMark = 0x01020304;
 constexpr std::uint64_t kAlignment = 64;
 constexpr const char* kRemedy = "the scene is damaged: build it again";
 
@@ -40,10 +41,10 @@ static_assert(sizeof(FileHeader) == 64);
 
 struct BlockEntry {
     std::uint64_t offset = 0;
-    std::uint32_t tileCount = 0, vertexCount = 0, quadCount = 0, reserved = 0;
+    std::uint32_t tileCount = 0, coarserCount = 0, vertexCount = 0, quadCount = 0, facetCount = 0, texelCount = 0;
     std::uint64_t checksum = 0;
 };
-static_assert(sizeof(BlockEntry) == 32);
+static_assert(sizeof(BlockEntry) == 40);
 
 std::uint64_t checksumOf(std::span<const std::byte> bytes) {
     return XXH3_64bits(bytes.data(), bytes.size());
@@ -55,20 +56,25 @@ std::span<const std::byte> bytesOf(const T& value) {
 }
 
 std::uint64_t blockBytes(const BlockEntry& entry) {
-    return std::uint64_t{entry.tileCount} * sizeof(Tile) + std::uint64_t{entry.vertexCount} * sizeof(TileVertex) +
-           std::uint64_t{entry.quadCount} * sizeof(TileQuad);
+    return (std::uint64_t{entry.tileCount} + entry.coarserCount) * sizeof(Tile) +
+           std::uint64_t{entry.vertexCount} * sizeof(TileVertex) + std::uint64_t{entry.quadCount} * sizeof(TileQuad) +
+           std::uint64_t{entry.facetCount} * sizeof(TileFacet) + std::uint64_t{entry.texelCount} * sizeof(TileTexel);
 }
 
 std::uint64_t aligned(std::uint64_t offset) {
     return (offset + kAlignment - 1) / kAlignment * kAlignment;
 }
 
-/// The arrays one after another behind `room` bytes for a head. Tiles come first and have 40 bytes, so all are aligned
-/// to 8.
+/// The arrays one after another behind `room` bytes for a head. All sizes are multiples of 8, and so are the
+/// places.
 std::vector<std::byte> blockOf(const TileSet& set, std::size_t room = 0) {
-    const std::array parts{std::as_bytes(std::span(set.tiles)), std::as_bytes(std::span(set.vertices)),
-                           std::as_bytes(std::span(set.quads))};
-    std::vector<std::byte> bytes(room + parts[0].size() + parts[1].size() + parts[2].size());
+    const std::array parts{std::as_bytes(std::span(set.tiles)),    std::as_bytes(std::span(set.coarser)),
+                           std::as_bytes(std::span(set.vertices)), std::as_bytes(std::span(set.quads)),
+                           std::as_bytes(std::span(set.facets)),   std::as_bytes(std::span(set.texels))};
+    std::size_t size = room;
+    for (const auto& part : parts)
+        size += part.size();
+    std::vector<std::byte> bytes(size);
     std::byte* at = bytes.data() + room;
     for (const auto& part : parts)
         at = std::copy(part.begin(), part.end(), at);
@@ -78,45 +84,74 @@ std::vector<std::byte> blockOf(const TileSet& set, std::size_t room = 0) {
 BlockEntry entryOf(const TileSet& set, std::uint64_t offset, std::span<const std::byte> block) {
     return {offset,
             static_cast<std::uint32_t>(set.tiles.size()),
+            static_cast<std::uint32_t>(set.coarser.size()),
             static_cast<std::uint32_t>(set.vertices.size()),
             static_cast<std::uint32_t>(set.quads.size()),
-            0,
+            static_cast<std::uint32_t>(set.facets.size()),
+            static_cast<std::uint32_t>(set.texels.size()),
             checksumOf(block)};
 }
 
-/// Throws unless every index in the block stays inside it and every number is finite: a renderer may then trust it
-/// blindly.
-void checkBlock(const TileBlock& block, const std::string& where) {
+/// Throws unless every index in a tile stays inside its block and every number is finite.
+void checkTile(const TileBlock& block, const Tile& tile, const Camera& camera, const std::string& where) {
     const auto require = [&](bool holds, const char* what) {
         if (!holds) throw Failure(std::string("has a tile with ") + what, where, kRemedy);
     };
+    require(std::isfinite(tile.minDisparity) && std::isfinite(tile.maxDisparity) && tile.minDisparity >= 0 &&
+                tile.minDisparity <= tile.maxDisparity,
+            "impossible disparities");
+    const int maxSize = tile.placeBits == kPlaceBits ? kMaxTileSize : kMaxScrapSize;
+    require(tile.placeBits == kPlaceBits || tile.placeBits == kScrapPlaceBits, "unknown coordinates");
+    require(tile.width <= maxSize && tile.height <= maxSize && tile.x0 >= 0 && tile.y0 >= 0 &&
+                tile.x0 <= camera.width - tile.width && tile.y0 <= camera.height - tile.height,
+            "a place outside its image");
+    require(static_cast<int>(tile.tier) < kTiers, "an unknown tier");
+    require(tile.pointCount <= tile.vertexCount &&
+                std::uint64_t{tile.firstVertex} + tile.vertexCount <= block.vertices.size() &&
+                std::uint64_t{tile.firstQuad} + tile.quadCount <= block.quads.size() &&
+                std::uint64_t{tile.firstFacet} + tile.facetCount <= block.facets.size() &&
+                std::uint64_t{tile.firstTexel} + texelCountOf(tile) <= block.texels.size(),
+            "counts beyond its block");
+    for (const TileQuad& quad : block.quads.subspan(tile.firstQuad, tile.quadCount))
+        for (const std::uint32_t pair : {quad.top, quad.bottom})
+            require((pair & kQuadIndexMask) < tile.vertexCount && (pair >> 16 & kQuadIndexMask) < tile.vertexCount,
+                    "a square beyond its vertices");
+    for (const TileFacet& facet : block.facets.subspan(tile.firstFacet, tile.facetCount)) {
+        const std::uint32_t side = 1u << (facet.mark >> 12 & 7u);
+        require((facet.mark & 63u) + side <= tile.width && (facet.mark >> 6 & 63u) + side <= tile.height,
+                "a facet beyond its texels");
+        require(std::isfinite(facet.q) && std::isfinite(facet.perX) && std::isfinite(facet.perY),
+                "a facet that is no plane");
+    }
+}
+
+/// Throws unless a renderer may trust the block blindly.
+void checkBlock(const TileBlock& block, const std::string& where) {
     for (const Tile& tile : block.tiles) {
-        require(std::isfinite(tile.minDisparity) && std::isfinite(tile.maxDisparity) && tile.minDisparity >= 0 &&
-                    tile.minDisparity <= tile.maxDisparity,
-                "impossible disparities");
-        require(tile.width <= kMaxTileSize && tile.height <= kMaxTileSize && tile.x0 >= 0 && tile.y0 >= 0 &&
-                    tile.x0 <= block.camera.width - tile.width && tile.y0 <= block.camera.height - tile.height,
-                "a place outside its image");
-        require(static_cast<int>(tile.tier) < kTiers, "an unknown tier");
-        require(tile.pointCount <= tile.vertexCount &&
-                    std::uint64_t{tile.firstVertex} + tile.vertexCount <= block.vertices.size() &&
-                    std::uint64_t{tile.firstQuad} + tile.quadCount <= block.quads.size(),
-                "counts beyond its block");
-        for (const TileQuad& quad : block.quads.subspan(tile.firstQuad, tile.quadCount))
-            for (const std::uint32_t pair : {quad.top, quad.bottom})
-                require((pair & kQuadIndexMask) < tile.vertexCount && (pair >> 16 & kQuadIndexMask) < tile.vertexCount,
-                        "a square beyond its vertices");
+        if (tile.level != 0) throw Failure("has a tile of a wrong level", where, kRemedy);
+        checkTile(block, tile, block.camera, where);
+    }
+    int level = 1;
+    for (const Tile& tile : block.coarser) {
+        if (tile.level < level || tile.level >= kMaxLevels)
+            throw Failure("has a tile of a wrong level", where, kRemedy);
+        level = tile.level;
+        checkTile(block, tile, cameraAtLevel(block.camera, level), where);
     }
 }
 
 TileBlock lendBlock(std::span<const std::byte> bytes, const BlockEntry& entry, const Camera& camera,
                     const Pose& worldFromCamera) {
     const std::byte* at = bytes.data();
-    const auto* tiles = reinterpret_cast<const Tile*>(at);
-    const auto* vertices = reinterpret_cast<const TileVertex*>(at + entry.tileCount * sizeof(Tile));
-    const auto* quads =
-        reinterpret_cast<const TileQuad*>(at + entry.tileCount * sizeof(Tile) + entry.vertexCount * sizeof(TileVertex));
-    return {camera, worldFromCamera, {tiles, entry.tileCount}, {vertices, entry.vertexCount}, {quads, entry.quadCount}};
+    const auto next = [&]<class T>(std::span<const T>& part, std::uint32_t count) {
+        part = {reinterpret_cast<const T*>(at), count};
+        at += count * sizeof(T);
+    };
+    TileBlock block{camera, worldFromCamera, {}, {}, {}, {}, {}, {}};
+    next(block.tiles, entry.tileCount), next(block.coarser, entry.coarserCount);
+    next(block.vertices, entry.vertexCount), next(block.quads, entry.quadCount);
+    next(block.facets, entry.facetCount), next(block.texels, entry.texelCount);
+    return block;
 }
 
 std::vector<BlockEntry> readTable(std::span<const std::byte> file, const std::filesystem::path& path,
@@ -212,13 +247,15 @@ TileSet unpackTiles(std::span<const std::byte> packed, const std::string& where)
     if (blockBytes(entry) != bytes.size() || checksumOf(bytes) != entry.checksum)
         throw Failure("is damaged", where, kRemedy);
     TileSet set;
-    set.tiles.resize(entry.tileCount), set.vertices.resize(entry.vertexCount), set.quads.resize(entry.quadCount);
+    set.tiles.resize(entry.tileCount), set.coarser.resize(entry.coarserCount);
+    set.vertices.resize(entry.vertexCount), set.quads.resize(entry.quadCount);
+    set.facets.resize(entry.facetCount), set.texels.resize(entry.texelCount);
     auto copy = [at = bytes.data()](auto& array) mutable {
         const std::size_t size = array.size() * sizeof(array[0]);
         if (size > 0) std::memcpy(array.data(), at, size);
         at += size;
     };
-    copy(set.tiles), copy(set.vertices), copy(set.quads);
+    copy(set.tiles), copy(set.coarser), copy(set.vertices), copy(set.quads), copy(set.facets), copy(set.texels);
     return set;
 }
 

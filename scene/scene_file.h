@@ -3,12 +3,15 @@
 //
 //   scene.json      what, from what, with which options, figures; frames; cameras (also of held-out images)
 //   images/*.tiff   the depth images as captured, with the flags that say what became of each sample
-//   (scene/depth_tiff.h) coverage.bin    what was observed and what nobody ever saw (scene/coverage.h), if scene.json
-//   says so. tiles.bin       what is drawn, GPU-ready:
+//                   (scene/depth_tiff.h)
+//   held_out/*.tiff the depth images that were kept out, to measure the scene against
+//   coverage.bin    what was observed and what nobody ever saw (scene/coverage.h), if scene.json says so
+//   tiles.bin       what is drawn, GPU-ready:
 //
 //     offset 0    FileHeader: magic "RVTILES" 0, version, byte order mark, number of blocks, file size, checksum of the
 //     header offset 64   BlockEntry for each image: offset, counts, checksum of the block; then the checksum of the
-//     table from there  blocks, each on a multiple of 64: Tile[], TileVertex[], TileQuad[] (scene/tile.h), zero bytes
+//     table from there  blocks, each on a multiple of 64: Tile[], Tile[] of coarser levels, TileVertex[], TileQuad[],
+//                 TileFacet[], TileTexel[] (scene/tile.h), zero bytes
 //     between
 //
 // Little-endian. Checksums are XXH3-64. Every block is checked before it is believed: checksum, counts, and every index
@@ -19,6 +22,8 @@
 #include <functional>
 
 namespace scene {
+
+inline constexpr const char* kHeldOutFolder = "held_out";
 
 /// A block of tiles as bytes: as a build keeps it for itself, and as it stands in tiles.bin. Starts with its own counts
 /// and checksum.

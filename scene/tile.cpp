@@ -20,29 +20,40 @@ Tier tierOf(std::uint8_t flags) {
     return (flags & kDirectional) != 0 ? Tier::directional : Tier::base;
 }
 
-/// Collects one tile: kept samples first, then the border its triangles need.
+/// Which samples a tile is cut from; by its top left sample a square belongs to it.
+struct Cut {
+    Tier tier = Tier::base;
+    int x0 = 0, y0 = 0, width = 0, height = 0;
+    std::uint32_t placeBits = kPlaceBits;
+};
+
+/// Collects one tile: kept samples first, then the border its triangles need. part.hasSample(x, y), part.hasSquare(x,
+/// y): whether what stands there, in the image's coordinates, belongs to the tile.
+template <class Part>
 class TileCutter {
   public:
-    TileCutter(const DepthImage& image, Tier tier, int x0, int y0, int width, int height)
-        : image_(image), tier_(tier), x0_(x0), y0_(y0), width_(width), height_(height),
-          vertexAt_((width + 1) * (height + 1), kNowhere) {}
+    TileCutter(const DepthImage& image, const Cut& cut, const Part& part)
+        : image_(image), tier_(cut.tier), x0_(cut.x0), y0_(cut.y0), width_(cut.width), height_(cut.height),
+          placeBits_(cut.placeBits), part_(part), vertexAt_((width_ + 1) * (height_ + 1), kNowhere) {}
 
     void appendTo(TileSet& set) {
         Tile tile;
         tile.x0 = x0_, tile.y0 = y0_;
         tile.width = static_cast<std::uint8_t>(width_), tile.height = static_cast<std::uint8_t>(height_);
         tile.tier = tier_;
+        tile.placeBits = static_cast<std::uint8_t>(placeBits_);
         tile.firstVertex = static_cast<std::uint32_t>(set.vertices.size());
         tile.firstQuad = static_cast<std::uint32_t>(set.quads.size());
 
         for (int y = 0; y < height_; ++y)
             for (int x = 0; x < width_; ++x)
-                if (isKept(flagsAt(x, y)) && tierOf(flagsAt(x, y)) == tier_) take(x, y);
+                if (isKept(flagsAt(x, y)) && tierOf(flagsAt(x, y)) == tier_ && part_.hasSample(x0_ + x, y0_ + y))
+                    take(x, y);
         tile.pointCount = static_cast<std::uint32_t>(taken_.size());
 
         for (int y = 0; y < height_; ++y)
             for (int x = 0; x < width_; ++x)
-                appendQuad(x, y, set);
+                if (part_.hasSquare(x0_ + x, y0_ + y)) appendQuad(x, y, set);
         tile.vertexCount = static_cast<std::uint32_t>(taken_.size());
         tile.quadCount = static_cast<std::uint32_t>(set.quads.size()) - tile.firstQuad;
         if (taken_.empty()) return;
@@ -102,24 +113,123 @@ class TileCutter {
             tile.maxDisparity = std::max(tile.maxDisparity, disparity);
         }
         const double range = static_cast<double>(tile.maxDisparity) - tile.minDisparity;
-        const double scale = range > 0 ? kMaxQuantisedDisparity / range : 0.0;
+        const std::uint32_t maxQuantised = maxQuantisedOf(placeBits_);
+        const double scale = range > 0 ? maxQuantised / range : 0.0;
         for (const Place& place : taken_) {
             const int x = x0_ + place.x, y = y0_ + place.y;
             const double above = static_cast<double>(image_.disparity(x, y)) - tile.minDisparity;
-            const auto q = std::min(static_cast<std::uint32_t>(std::lround(above * scale)), kMaxQuantisedDisparity);
+            const auto q = std::min(static_cast<std::uint32_t>(std::lround(above * scale)), maxQuantised);
             const Rgb8 c = image_.colour(x, y);
-            set.vertices.push_back(
-                {static_cast<std::uint32_t>(place.x) | static_cast<std::uint32_t>(place.y) << 6 | q << 12,
-                 c.r | static_cast<std::uint32_t>(c.g) << 8 | static_cast<std::uint32_t>(c.b) << 16 |
-                     static_cast<std::uint32_t>(image_.flags(x, y)) << 24});
+            set.vertices.push_back({static_cast<std::uint32_t>(place.x) |
+                                        static_cast<std::uint32_t>(place.y) << placeBits_ | q << 2 * placeBits_,
+                                    c.r | static_cast<std::uint32_t>(c.g) << 8 | static_cast<std::uint32_t>(c.b) << 16 |
+                                        static_cast<std::uint32_t>(image_.flags(x, y)) << 24});
         }
     }
 
     const DepthImage& image_;
     Tier tier_;
     int x0_, y0_, width_, height_;
+    std::uint32_t placeBits_;
+    const Part& part_;
     std::vector<std::uint32_t> vertexAt_;
     std::vector<Place> taken_;
+};
+
+/// All that stands in a tile's place.
+struct Whole {
+    bool hasSample(int, int) const { return true; }
+    bool hasSquare(int, int) const { return true; }
+};
+
+/// Places this small hold too few samples for scraps to save anything.
+constexpr int kLeastScrapPlace = 16;
+
+/// Cuts one tier of an image: full places into tiles of their own, the rest into scraps.
+class TierCutter {
+  public:
+    TierCutter(const DepthImage& image, Tier tier, int tileSize)
+        : image_(image), tier_(tier), tileSize_(tileSize), columns_(placesIn(image.camera.width)),
+          rows_(placesIn(image.camera.height)), isScrap_(static_cast<std::size_t>(columns_) * rows_) {
+        for (int row = 0; row < rows_; ++row)
+            for (int column = 0; column < columns_; ++column)
+                isScrap_[static_cast<std::size_t>(row) * columns_ + column] = isSparse(column, row);
+    }
+
+    void appendTo(TileSet& set) {
+        for (int row = 0; row < rows_; ++row)
+            for (int column = 0; column < columns_; ++column)
+                if (!isScrap_[static_cast<std::size_t>(row) * columns_ + column])
+                    TileCutter(image_, cutAt(column * tileSize_, row * tileSize_, tileSize_, kPlaceBits), Whole{})
+                        .appendTo(set);
+        if (tileSize_ < kLeastScrapPlace) return;
+        const int side = kMaxScrapSize / tileSize_ * tileSize_;
+        for (int y0 = 0; y0 < image_.camera.height; y0 += side)
+            for (int x0 = 0; x0 < image_.camera.width; x0 += side)
+                appendScraps(cutAt(x0, y0, side, kScrapPlaceBits), set);
+    }
+
+  private:
+    int placesIn(int samples) const { return (samples + tileSize_ - 1) / tileSize_; }
+
+    Cut cutAt(int x0, int y0, int side, int placeBits) const {
+        return {tier_,
+                x0,
+                y0,
+                std::min(side, image_.camera.width - x0),
+                std::min(side, image_.camera.height - y0),
+                static_cast<std::uint32_t>(placeBits)};
+    }
+
+    bool isSparse(int column, int row) const {
+        if (tileSize_ < kLeastScrapPlace) return false;
+        const Cut cut = cutAt(column * tileSize_, row * tileSize_, tileSize_, kPlaceBits);
+        int kept = 0;
+        for (int y = cut.y0; y < cut.y0 + cut.height; ++y)
+            for (int x = cut.x0; x < cut.x0 + cut.width; ++x)
+                kept += isKept(image_.flags(x, y)) && tierOf(image_.flags(x, y)) == tier_;
+        return kept * kScrapShare < tileSize_ * tileSize_;
+    }
+
+    bool isScrapAt(int x, int y) const {
+        return isScrap_[static_cast<std::size_t>(y / tileSize_) * columns_ + x / tileSize_] != 0;
+    }
+
+    /// Which surfaces share a scrap: those whose disparities have the same power of four below them.
+    int distanceOf(int x, int y) const {
+        const float disparity = image_.disparity(x, y);
+        return disparity > 0 ? std::ilogb(disparity) >> 1 : std::numeric_limits<int>::min();
+    }
+
+    /// A square is as far as its top right sample, which any triangle of it has.
+    struct Scrap {
+        const TierCutter& cutter;
+        int distance;
+        bool hasSample(int x, int y) const { return cutter.isScrapAt(x, y) && cutter.distanceOf(x, y) == distance; }
+        bool hasSquare(int x, int y) const {
+            const DepthImage& image = cutter.image_;
+            return cutter.isScrapAt(x, y) && x + 1 < image.camera.width && isDrawable(image.flags(x + 1, y)) &&
+                   cutter.distanceOf(x + 1, y) == distance;
+        }
+    };
+
+    void appendScraps(const Cut& cut, TileSet& set) const {
+        std::vector<int> distances;
+        for (int y = cut.y0; y < cut.y0 + cut.height; ++y)
+            for (int x = cut.x0; x < std::min(cut.x0 + cut.width + 1, image_.camera.width); ++x)
+                if (isDrawable(image_.flags(x, y))) distances.push_back(distanceOf(x, y));
+        std::sort(distances.begin(), distances.end());
+        distances.erase(std::unique(distances.begin(), distances.end()), distances.end());
+        for (const int distance : distances) {
+            const Scrap scrap{*this, distance};
+            TileCutter(image_, cut, scrap).appendTo(set);
+        }
+    }
+
+    const DepthImage& image_;
+    Tier tier_;
+    int tileSize_, columns_, rows_;
+    std::vector<std::uint8_t> isScrap_;
 };
 
 } // namespace
@@ -128,11 +238,7 @@ TileSet cutIntoTiles(const DepthImage& image, int tileSize) {
     assert(tileSize >= 1 && tileSize <= kMaxTileSize);
     TileSet set;
     for (const Tier tier : {Tier::base, Tier::directional, Tier::guess})
-        for (int y0 = 0; y0 < image.camera.height; y0 += tileSize)
-            for (int x0 = 0; x0 < image.camera.width; x0 += tileSize)
-                TileCutter(image, tier, x0, y0, std::min(tileSize, image.camera.width - x0),
-                           std::min(tileSize, image.camera.height - y0))
-                    .appendTo(set);
+        TierCutter(image, tier, tileSize).appendTo(set);
     return set;
 }
 

@@ -19,6 +19,7 @@ struct TileWarp {
     glm::vec3 origin, columnX, columnY, columnQ;
     float minDisparity, disparityStep;
     std::uint32_t levelAndClass;
+    std::uint32_t placeBits;
 };
 
 inline PixelClass classOf(Tier tier) {
@@ -28,7 +29,7 @@ inline PixelClass classOf(Tier tier) {
 inline TileWarp tileWarpOf(const Tile& tile, const glm::dmat4& eyeImageFromSourceImage, int level) {
     const glm::dmat4& c = eyeImageFromSourceImage;
     const double perScale = 1.0 / static_cast<double>(orderScale(level));
-    const double step = (static_cast<double>(tile.maxDisparity) - tile.minDisparity) / kMaxQuantisedDisparity;
+    const double step = (static_cast<double>(tile.maxDisparity) - tile.minDisparity) / maxQuantisedOf(tile);
     const glm::dvec4 origin = c * glm::dvec4(tile.x0 + 0.5, tile.y0 + 0.5, 1.0, static_cast<double>(tile.minDisparity));
     return {glm::vec3(glm::dvec3(origin)),
             glm::vec3(glm::dvec3(c[0])),
@@ -36,7 +37,8 @@ inline TileWarp tileWarpOf(const Tile& tile, const glm::dmat4& eyeImageFromSourc
             glm::vec3(glm::dvec3(c[3]) * step),
             static_cast<float>(tile.minDisparity * perScale),
             static_cast<float>(step * perScale),
-            static_cast<std::uint32_t>(level) << 2 | static_cast<std::uint32_t>(classOf(tile.tier))};
+            static_cast<std::uint32_t>(level) << 2 | static_cast<std::uint32_t>(classOf(tile.tier)),
+            tile.placeBits};
 }
 
 /// A vertex in the eye's image.
@@ -46,8 +48,9 @@ struct Projected {
 
 /// The formula of every warp, on the processor and on the GPU: the same operations in the same order.
 inline Projected projectVertex(const TileWarp& warp, std::uint32_t place) {
-    const auto x = static_cast<float>(place & 63u), y = static_cast<float>(place >> 6 & 63u);
-    const auto q = static_cast<float>(place >> 12);
+    const std::uint32_t mask = (1u << warp.placeBits) - 1;
+    const auto x = static_cast<float>(place & mask), y = static_cast<float>(place >> warp.placeBits & mask);
+    const auto q = static_cast<float>(place >> 2 * warp.placeBits);
     const glm::vec3 h = warp.origin + x * warp.columnX + y * warp.columnY + q * warp.columnQ;
     if (!(h.z > 0)) return {};
     const float perW = 1.0f / h.z;

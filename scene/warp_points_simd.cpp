@@ -81,6 +81,7 @@ RowRange drawPointsOf(const TileWarp& warp, std::span<const TileVertex> vertices
     // Lanes that are not drawn go to pixels of their own, so that none waits for another's store.
     const auto unused = hn::Min(hn::Iota(ints, 0), hn::Set(ints, zBuffer.width - 1));
     auto firstRow = hn::Set(ints, zBuffer.height), lastRow = hn::Set(ints, -1);
+    const int placeBits = static_cast<int>(warp.placeBits);
     Batch batch;
     const auto flush = [&] {
         if (isPixel)
@@ -93,9 +94,10 @@ RowRange drawPointsOf(const TileWarp& warp, std::span<const TileVertex> vertices
         auto place = hn::Zero(words), colour = hn::Zero(words);
         hn::LoadInterleaved2(words, &vertex->place, place, colour);
         const auto number = [&](const auto& bits) HWY_ATTR { return hn::ConvertTo(floats, hn::BitCast(ints, bits)); };
-        const auto sixBits = hn::Set(words, 63u);
-        const auto column = number(hn::And(place, sixBits)), line = number(hn::And(hn::ShiftRight<6>(place), sixBits));
-        const auto q = number(hn::ShiftRight<12>(place));
+        const auto mask = hn::Set(words, (1u << warp.placeBits) - 1);
+        const auto column = number(hn::And(place, mask));
+        const auto line = number(hn::And(hn::ShiftRightSame(place, placeBits), mask));
+        const auto q = number(hn::ShiftRightSame(place, 2 * placeBits));
         // As projectVertex: every product is rounded before it is added.
         const auto row = [&](int i) HWY_ATTR {
             return hn::Add(hn::Add(hn::Add(set(warp.origin[i]), hn::Mul(column, set(warp.columnX[i]))),

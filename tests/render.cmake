@@ -12,6 +12,7 @@ revisit_test(revisit_render_tests LABELS gpu LINKS revisit_render_scenes TBB::tb
         render/overlay_test.cpp
         render/points_test.cpp
         render/reference.cpp
+        render/rescale_test.cpp
         render/shared_math_test.cpp
         render/test_device.cpp
         render/visibility_test.cpp)

@@ -22,7 +22,7 @@ layout(std430, set = 1, binding = 0) readonly buffer Draws { TileDraw draws[]; }
 layout(std430, set = 1, binding = 1) buffer ZBuffer { uint64_t zBuffer[]; };
 layout(push_constant) uniform Constants { WarpConstants constants; };
 
-const uint kIndexMask = 0x1fffu, kDrawn = 1u << 15;
+const uint kIndexMask = 0x7fffu, kDrawn = 1u << 15;
 const int kLargeSquare = 256; // pixels of its box
 
 struct Square {

@@ -13,10 +13,10 @@ namespace scene {
 namespace {
 
 constexpr std::uint64_t kAllCells = ~std::uint64_t{0};
-constexpr double kCoarseSamples = 12; ///< the first pass divides no cell below so many samples' spacing
-constexpr double kMiddleShare = 0.1;  ///< of a smallest cell's edge, to either side: what decides over all of it
-constexpr int kParallelLevels = 3;    ///< deeper, a task would be too small
-constexpr int kSampleStep = 4;        ///< every so many samples, across and down, bound the cube
+constexpr double kCoarseSamples = 12;  ///< the first pass divides no cell below so many samples' spacing
+constexpr double kMiddleShare = 0.1;   ///< of a smallest cell's edge, to either side: what decides over all of it
+constexpr int kParallelLevels = 3;     ///< deeper, a task would be too small
+constexpr int kSampleStep = 4;         ///< every so many samples, across and down, bound the cube
 constexpr double kOutlierShare = 5e-4; ///< of an image's samples, at each end of an axis, may lie outside
 
 /// A node that grows. Cells in none of the masks are unseen; children in the order of their bits.
@@ -74,7 +74,8 @@ class Carving {
   private:
     glm::dvec3 centreOf(const glm::dvec3& centre, double cell, int x, int y, int z, int side) const {
         const double half = 0.5 * side, middle = 0.5 * kCoverageBranching;
-        return centre + c_.cameraFromWorld * (cell * glm::dvec3(x + half - middle, y + half - middle, z + half - middle));
+        return centre +
+               c_.cameraFromWorld * (cell * glm::dvec3(x + half - middle, y + half - middle, z + half - middle));
     }
 
     /// What the image knows of cells of one kind; true if only their parts can tell.
@@ -137,7 +138,8 @@ class Carving {
             const std::uint64_t mask = coverageMask(bit);
             const Growing& child = node.children[childRank(node.divided, bit)];
             const bool isUnseen = (child.empty | child.surface | child.divided) == 0;
-            if ((node.empty & mask) == 0 && child.empty != kAllCells && child.surface != kAllCells && !isUnseen) continue;
+            if ((node.empty & mask) == 0 && child.empty != kAllCells && child.surface != kAllCells && !isUnseen)
+                continue;
             if (child.surface == kAllCells && (node.empty & mask) == 0) node.surface |= mask;
             if (child.empty == kAllCells) node.empty |= mask;
             gone |= mask;
@@ -255,9 +257,9 @@ Growing grow(ImageStore& images, const Region& region, const CoverOptions& optio
             const OpenSpace space(*image, others, options.tolerance);
             Carver carver{space, glm::transpose(image->worldFromCamera.rotation)};
             for (int row = 0; row < 3; ++row)
-                carver.halfOfUnit[row] = 0.5 * (std::abs(carver.cameraFromWorld[0][row]) +
-                                                std::abs(carver.cameraFromWorld[1][row]) +
-                                                std::abs(carver.cameraFromWorld[2][row]));
+                carver.halfOfUnit[row] =
+                    0.5 * (std::abs(carver.cameraFromWorld[0][row]) + std::abs(carver.cameraFromWorld[1][row]) +
+                           std::abs(carver.cameraFromWorld[2][row]));
             carver.isCoarse = isCoarse;
             carver.nearestMetres = options.nearestMetres;
             carver.smallest = 1 / cellsPerSample;

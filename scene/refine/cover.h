@@ -15,17 +15,17 @@
 namespace scene {
 
 struct CoverOptions {
-    double cellsPerSample = 1;      ///< smallest cells, where seen space ends in the open: so many to a sample's spacing
-    double surfaceSamples = 4;      ///< largest cells where it ends at a surface: so many samples wide
-    double nearestMetres = 0.5;     ///< nearer to a camera, cells do not become smaller
-    float tolerance = 0.002f;       ///< relative; how much farther than its sample a surface may be
+    double cellsPerSample = 1;  ///< smallest cells, where seen space ends in the open: so many to a sample's spacing
+    double surfaceSamples = 4;  ///< largest cells where it ends at a surface: so many samples wide
+    double nearestMetres = 0.5; ///< nearer to a camera, cells do not become smaller
+    float tolerance = 0.002f;   ///< relative; how much farther than its sample a surface may be
     std::size_t maxNodes = 2 << 20; ///< what would take more is kept coarser, half as fine, until it fits
 };
 
 struct CoverFigures {
     std::uint64_t nodes = 0;
-    double cellsPerSample = 0; ///< as it was in the end
-    double finestMetres = 0;   ///< edge of the smallest cell
+    double cellsPerSample = 0;                                                  ///< as it was in the end
+    double finestMetres = 0;                                                    ///< edge of the smallest cell
     double unseenCubicMetres = 0, surfaceCubicMetres = 0, emptyCubicMetres = 0; ///< within the box of all samples
 };
 

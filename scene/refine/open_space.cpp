@@ -11,8 +11,8 @@ namespace {
 constexpr float kNothing = std::numeric_limits<float>::infinity();
 constexpr int kMarginShare = 8; ///< of the image's width that companions continue it by: one part in so many
 
-/// A gap between so many samples that prove something, of the eight about it, is one of sampling: its ray went as far as
-/// the nearest of theirs. A sample among fewer, itself counted, proves nothing.
+/// A gap between so many samples that prove something, of the eight about it, is one of sampling: its ray went as far
+/// as the nearest of theirs. A sample among fewer, itself counted, proves nothing.
 constexpr int kFewAbout = 4;
 
 /// The disparity at which a sample's ray ends, infinite if it proves nothing.
@@ -52,8 +52,8 @@ OpenSpace::OpenSpace(const DepthImage& image, std::span<const DepthImage* const>
 void OpenSpace::continuePast(const DepthImage& image, std::span<const DepthImage* const> companions, int margin) {
     for (int y = 0; y < camera_.height; ++y)
         for (int x = 0; x < camera_.width; ++x) {
-            const bool isInside = x >= margin && y >= margin && x < camera_.width - margin &&
-                                  y < camera_.height - margin;
+            const bool isInside =
+                x >= margin && y >= margin && x < camera_.width - margin && y < camera_.height - margin;
             Span& span = levels_[0].spans[static_cast<std::size_t>(y) * static_cast<std::size_t>(camera_.width) +
                                           static_cast<std::size_t>(x)];
             // The last row and column have no square of their own within the image.
@@ -96,8 +96,8 @@ void OpenSpace::closeGaps() {
                     ++proving;
                     nearest = std::max(nearest, end);
                 }
-            Span& span = closed[static_cast<std::size_t>(y) * static_cast<std::size_t>(raw.width) +
-                                static_cast<std::size_t>(x)];
+            Span& span =
+                closed[static_cast<std::size_t>(y) * static_cast<std::size_t>(raw.width) + static_cast<std::size_t>(x)];
             const bool proves = span.nearest < kNothing;
             if (!proves && proving >= kFewAbout) span = {nearest, nearest, true};
             if (proves && proving < kFewAbout) span = {kNothing, kNothing, true};
@@ -115,8 +115,9 @@ void OpenSpace::buildPyramid() {
                 Span span{0, kNothing, false};
                 for (int fy = 2 * y; fy < std::min(2 * y + 2, fine.height); ++fy)
                     for (int fx = 2 * x; fx < std::min(2 * x + 2, fine.width); ++fx) {
-                        const Span& of = fine.spans[static_cast<std::size_t>(fy) * static_cast<std::size_t>(fine.width) +
-                                                    static_cast<std::size_t>(fx)];
+                        const Span& of =
+                            fine.spans[static_cast<std::size_t>(fy) * static_cast<std::size_t>(fine.width) +
+                                       static_cast<std::size_t>(fx)];
                         span.nearest = std::max(span.nearest, of.nearest);
                         span.farthest = std::min(span.farthest, of.farthest);
                         span.hasEdge = span.hasEdge || of.hasEdge;

@@ -137,13 +137,14 @@ class Keeper {
 
     std::int64_t keepTile(const RankedTile& tile, const DepthImage& image, const std::vector<KeptPartner>& before,
                           Keep tier, float maxBaseline) {
-        std::int64_t count = 0, taken = 0;
+        std::int64_t count = 0, wanted = 0, there = 0;
         std::size_t likely = 0; // the partner that covered the last sample most likely covers the next
         for (int y = tile.y0; y < std::min(tile.y0 + options_.tileSize, image.camera.height); ++y)
             for (int x = tile.x0; x < std::min(tile.x0 + options_.tileSize, image.camera.width); ++x) {
                 Keep& mine = kept[tile.image](x, y);
                 const bool guess = isGuess(image.flags(x, y));
                 if (guess ? tier == Keep::base : !isSurface(image.flags(x, y))) continue;
+                ++there;
                 if (mine != Keep::no) continue;
                 Candidate sample{static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f, image.disparity(x, y), 0,
                                  guess};
@@ -156,18 +157,20 @@ class Keeper {
                     if (covers(p)) covered = true, likely = p;
                 if (covered) continue;
                 mine = tier;
-                ++taken;
+                ++wanted;
                 count += !guess;
             }
-        if (tier == Keep::directional &&
-            static_cast<float>(taken) <
-                options_.minPatchShare * static_cast<float>(options_.tileSize * options_.tileSize)) {
-            forSamples(tile, image, [&](int x, int y) {
-                Keep& mine = kept[tile.image](x, y);
-                if (mine == Keep::directional) mine = Keep::no;
-            });
-            return 0;
-        }
+        if (tier != Keep::directional) return count;
+        const bool isPatch =
+            wanted > 0 && static_cast<float>(wanted) >= options_.minPatchShare * static_cast<float>(there);
+        count = 0;
+        forSamples(tile, image, [&](int x, int y) {
+            Keep& mine = kept[tile.image](x, y);
+            const std::uint8_t flags = image.flags(x, y);
+            if (mine == Keep::base || !isDrawable(flags)) return;
+            mine = isPatch ? Keep::directional : Keep::no;
+            count += isPatch && !isGuess(flags);
+        });
         return count;
     }
 

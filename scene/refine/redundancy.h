@@ -22,9 +22,10 @@ struct RedundancyOptions {
     /// A surface is kept again, as a directional sample, where no kept sample shows it from nearby: from a camera no
     /// farther away than this share of the range (so the directions differ by at most as many radians). 0: never.
     float baselineShare = 0.07f;
-    /// A tile's directional samples are kept if they are more than this share of its area: smaller patches cost more to
-    /// draw than they show, and the base has their surface, too.
-    float minPatchShare = 0.125f;
+    /// Of a tile's surfaces so many, as a share, must be wanted as directional samples; then all of them are kept, else
+    /// none. Patches with holes cost more to draw than they show, cannot become facets, and the base has their surface,
+    /// too.
+    float minPatchShare = 0.4f;
     int tileSize = kDefaultTileSize;
     ComparisonOptions comparison;
 };

@@ -27,8 +27,8 @@ std::vector<Record> recordsOf(std::span<const scene::TileBlock> blocks) {
     for (const scene::TileBlock& block : blocks)
         for (const scene::Tile& tile : block.tiles)
             for (const scene::TileVertex& vertex : block.vertices.subspan(tile.firstVertex, tile.pointCount)) {
-                const double x = tile.x0 + static_cast<int>(vertex.place & 63) + 0.5;
-                const double y = tile.y0 + static_cast<int>(vertex.place >> 6 & 63) + 0.5;
+                const double x = tile.x0 + static_cast<int>(scene::placeOf(tile, vertex).x) + 0.5;
+                const double y = tile.y0 + static_cast<int>(scene::placeOf(tile, vertex).y) + 0.5;
                 const glm::dvec3 pInCamera =
                     scene::rayThrough(block.camera, x, y) / static_cast<double>(scene::disparityOf(tile, vertex));
                 const glm::vec3 p(block.worldFromCamera * pInCamera);

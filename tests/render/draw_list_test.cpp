@@ -33,7 +33,7 @@ Many manyTiles(std::uint32_t count) {
         tile.minDisparity = static_cast<float>(random() % 1000) / 500, tile.maxDisparity = tile.minDisparity + 0.1f;
         many.bounds.append(tile, camera);
         many.tiles.push_back({0, i / 700, 0, i % 3 == 1 ? 0 : 10 + i % 7, 0, 5, tile.x0, tile.y0, tile.minDisparity,
-                              tile.maxDisparity, scene::middleOf(tile, camera, {})});
+                              tile.maxDisparity, tile.placeBits, scene::middleOf(tile, camera, {})});
         many.visible.slots.push_back(i);
     }
     for (std::uint32_t first = 0; first < count; first += 100) {

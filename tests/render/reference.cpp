@@ -30,10 +30,10 @@ Seen see(const scene::TileBlock& block, const scene::View& view, double x, doubl
 
 Seen seeVertex(const scene::TileBlock& block, const scene::View& view, const scene::Tile& tile, std::uint32_t index) {
     const scene::TileVertex& vertex = block.vertices[tile.firstVertex + index];
-    const double x = tile.x0 + static_cast<int>(vertex.place & 63) + 0.5;
-    const double y = tile.y0 + static_cast<int>(vertex.place >> 6 & 63) + 0.5;
-    const double step = (double(tile.maxDisparity) - tile.minDisparity) / scene::kMaxQuantisedDisparity;
-    Seen seen = see(block, view, x, y, tile.minDisparity + (vertex.place >> 12) * step);
+    const double x = tile.x0 + static_cast<int>(scene::placeOf(tile, vertex).x) + 0.5;
+    const double y = tile.y0 + static_cast<int>(scene::placeOf(tile, vertex).y) + 0.5;
+    const double step = (double(tile.maxDisparity) - tile.minDisparity) / scene::maxQuantisedOf(tile);
+    Seen seen = see(block, view, x, y, tile.minDisparity + scene::placeOf(tile, vertex).q * step);
     seen.colour = {static_cast<std::uint8_t>(vertex.colour), static_cast<std::uint8_t>(vertex.colour >> 8),
                    static_cast<std::uint8_t>(vertex.colour >> 16)};
     return seen;

@@ -33,9 +33,11 @@ TEST(WarpSample, AgreesWithDoublePrecision) {
         tile.minDisparity = 0.2f, tile.maxDisparity = 0.9f;
         const TileDraw draw = tileDrawOf(c, tile);
 
-        const std::uint32_t x = random() % 64, y = random() % 64, q = random() % (scene::kMaxQuantisedDisparity + 1);
+        const std::uint32_t most = scene::maxQuantisedOf(scene::kPlaceBits);
+        const auto below = [&](std::uint32_t end) { return static_cast<std::uint32_t>(random() % end); };
+        const std::uint32_t x = below(64), y = below(64), q = below(most + 1);
         const vec4 h = warpSample(draw, placeOf(x, y, q));
-        const double d = tile.minDisparity + q * (0.9 * 1.0f - 0.2) / scene::kMaxQuantisedDisparity;
+        const double d = tile.minDisparity + q * (0.9 * 1.0f - 0.2) / most;
         const glm::dvec4 truth = c * glm::dvec4(tile.x0 + x + 0.5, tile.y0 + y + 0.5, 1, d);
         if (truth.z < 0.05) continue;
         ASSERT_TRUE(isBeforeEye(h));

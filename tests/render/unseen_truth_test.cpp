@@ -103,9 +103,8 @@ class Truth {
     static void around(const glm::dvec3& scanner, const glm::dvec3& p, Visit&& visit) {
         const glm::dvec3 ray = p - scanner;
         const double step = glm::length(ray) * kSpacing;
-        const glm::dvec3 side = glm::normalize(glm::cross(ray, std::abs(ray.z) < 0.9 * glm::length(ray)
-                                                                   ? glm::dvec3(0, 0, 1)
-                                                                   : glm::dvec3(1, 0, 0)));
+        const glm::dvec3 side = glm::normalize(
+            glm::cross(ray, std::abs(ray.z) < 0.9 * glm::length(ray) ? glm::dvec3(0, 0, 1) : glm::dvec3(1, 0, 0)));
         const glm::dvec3 up = glm::normalize(glm::cross(side, ray));
         for (const glm::dvec3& offset : {glm::dvec3(0), step * side, -step * side, step * up, -step * up})
             if (!visit(ray + offset)) return;
@@ -222,7 +221,8 @@ void countPlace(const Place& place, const How& how, Count& count) {
                 ++count.observed;
                 count.wronged += isUnseen ? 1 : 0;
                 break;
-            case RayTruth::between: ++count.between;
+            case RayTruth::between:
+                ++count.between;
             }
         });
     }

@@ -76,7 +76,8 @@ std::multiset<Triangle> trianglesOf(const DepthImage& image) {
 }
 
 Place placeInImage(const Tile& tile, const TileVertex& vertex) {
-    return {tile.x0 + static_cast<int>(vertex.place & 63), tile.y0 + static_cast<int>(vertex.place >> 6 & 63)};
+    const VertexPlace place = placeOf(tile, vertex);
+    return {tile.x0 + static_cast<int>(place.x), tile.y0 + static_cast<int>(place.y)};
 }
 
 /// The triangles that a renderer draws.
@@ -187,7 +188,7 @@ void expectSamplesAreTrue(const DepthImage& image, const TileSet& set) {
                                          static_cast<std::uint32_t>(image.flags(x, y)) << 24);
             const float truth = image.disparity(x, y);
             const float range = tile.maxDisparity - tile.minDisparity;
-            const float bound = 0.5f * range / static_cast<float>(kMaxQuantisedDisparity) +
+            const float bound = 0.5f * range / static_cast<float>(maxQuantisedOf(tile)) +
                                 4 * std::numeric_limits<float>::epsilon() * tile.maxDisparity +
                                 std::numeric_limits<float>::denorm_min();
             EXPECT_NEAR(disparityOf(tile, vertex), truth, bound);
@@ -232,6 +233,22 @@ TEST_P(CutIntoTiles, NothingLeftOfRedundantOrAbsentImages) {
         EXPECT_TRUE(set.tiles.empty());
         EXPECT_TRUE(set.vertices.empty());
         EXPECT_TRUE(set.quads.empty());
+    }
+}
+
+// Little is kept of it: scraps, in coordinates of their own, over several tiles' places.
+TEST_P(CutIntoTiles, LittleLeftOfAnImage) {
+    for (const double redundant : {0.9, 0.98, 0.999}) {
+        const DepthImage image = drawImage(300, 270, 26, {0.1, 0.02, redundant, 0.1});
+        expectCutRight(image, GetParam());
+        const TileSet set = cutIntoTiles(image, GetParam());
+        const bool hasScraps = std::any_of(set.tiles.begin(), set.tiles.end(),
+                                           [](const Tile& tile) { return tile.placeBits == kScrapPlaceBits; });
+        if (GetParam() < 16) {
+            EXPECT_FALSE(hasScraps);
+        } else if (redundant > 0.95) {
+            EXPECT_TRUE(hasScraps);
+        }
     }
 }
 

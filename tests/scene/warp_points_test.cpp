@@ -23,16 +23,18 @@ void warpOneByOne(std::span<const TileBlock> blocks, const View& eye, const Warp
         for (const Tile& tile : block.tiles) {
             const auto level = orderLevelOf(tile, block.camera, block.worldFromCamera, eye, options.preference);
             if (!level) continue;
-            const int side = footprintOf(c, boxOf(tile, block.camera), static_cast<double>(options.footprintScale),
-                                         options.maxFootprint);
-            const float half = 0.5f * static_cast<float>(side - 1);
+            const int pixels = footprintOf(c, boxOf(tile, block.camera), static_cast<double>(options.footprintScale),
+                                           options.maxFootprint);
+            const float half = 0.5f * static_cast<float>(pixels - 1);
             const double perScale = 1.0 / static_cast<double>(orderScale(*level));
-            const double step = (static_cast<double>(tile.maxDisparity) - tile.minDisparity) / kMaxQuantisedDisparity;
+            const double step = (static_cast<double>(tile.maxDisparity) - tile.minDisparity) / maxQuantisedOf(tile);
             const glm::dvec4 origin =
                 c * glm::dvec4(tile.x0 + 0.5, tile.y0 + 0.5, 1.0, static_cast<double>(tile.minDisparity));
             for (const TileVertex& vertex : block.vertices.subspan(tile.firstVertex, tile.pointCount)) {
-                const auto x = static_cast<float>(vertex.place % 64), y = static_cast<float>(vertex.place / 64 % 64);
-                const auto q = static_cast<float>(vertex.place / 4096);
+                const std::uint32_t side = 1u << tile.placeBits;
+                const auto x = static_cast<float>(vertex.place % side);
+                const auto y = static_cast<float>(vertex.place / side % side);
+                const auto q = static_cast<float>(vertex.place / side / side);
                 float h[3];
                 for (int i = 0; i < 3; ++i) {
                     h[i] = static_cast<float>(origin[i]) + x * static_cast<float>(c[0][i]);
@@ -50,8 +52,9 @@ void warpOneByOne(std::span<const TileBlock> blocks, const View& eye, const Warp
                                           1u;
                 for (int v = 0; v < zBuffer.height(); ++v)
                     for (int u = 0; u < zBuffer.width(); ++u)
-                        if (static_cast<float>(u) >= left && static_cast<float>(u) < left + static_cast<float>(side) &&
-                            static_cast<float>(v) >= top && static_cast<float>(v) < top + static_cast<float>(side))
+                        if (static_cast<float>(u) >= left &&
+                            static_cast<float>(u) < left + static_cast<float>(pixels) && static_cast<float>(v) >= top &&
+                            static_cast<float>(v) < top + static_cast<float>(pixels))
                             zBuffer(u, v) = std::max(zBuffer(u, v), key);
             }
         }

@@ -47,7 +47,7 @@ class Warp : public testing::TestWithParam<Way> {};
 TEST_P(Warp, IntoItsOwnCameraIsTheImage) {
     const DepthImage image = imagesOfBareRoom(3).at(1);
     const auto [least, most] = std::minmax_element(image.disparity.pixels().begin(), image.disparity.pixels().end());
-    const float step = (*most - *least) / static_cast<float>(kMaxQuantisedDisparity);
+    const float step = (*most - *least) / static_cast<float>(maxQuantisedOf(kPlaceBits));
     const EyeImage eye = warpOne(GetParam(), image, {image.camera, image.worldFromCamera}, plainOrder());
     // The mesh ends at the outermost samples: whether their own pixels are covered is a matter of rounding.
     const int rim = GetParam() == Way::mesh ? 1 : 0;
@@ -208,10 +208,10 @@ std::vector<Truth> projectAll(const TileSet& set, const DepthImage& image, const
     std::vector<Truth> all;
     for (const Tile& tile : set.tiles)
         for (const TileVertex& vertex : std::span(set.vertices).subspan(tile.firstVertex, tile.pointCount)) {
-            const double d = tile.minDisparity + (vertex.place >> 12) *
+            const double d = tile.minDisparity + placeOf(tile, vertex).q *
                                                      (static_cast<double>(tile.maxDisparity) - tile.minDisparity) /
-                                                     kMaxQuantisedDisparity;
-            const double x = tile.x0 + (vertex.place & 63) + 0.5, y = tile.y0 + (vertex.place >> 6 & 63) + 0.5;
+                                                     maxQuantisedOf(tile);
+            const double x = tile.x0 + placeOf(tile, vertex).x + 0.5, y = tile.y0 + placeOf(tile, vertex).y + 0.5;
             const glm::dvec3 pInEye = eyeFromCamera * (rayThrough(image.camera, x, y) / d);
             if (pInEye.z <= kNearMetres) continue;
             const glm::dvec2 uv = project(eye.camera, pInEye);

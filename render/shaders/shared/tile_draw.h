@@ -26,35 +26,35 @@ struct WarpConstants {
     int height;
 };
 
-struct ResolveConstants {
-    uint width; ///< pixels; a workgroup resolves one row
-};
-
 #ifdef __cplusplus
 static_assert(sizeof(TileDraw) == 80 && alignof(TileDraw) == 4);
 static_assert(sizeof(WarpConstants) == 12);
-static_assert(sizeof(ResolveConstants) == 4);
 #endif
 
-/// What a draw's samples have in common, in span.w: order level, class (both as in a key) and footprint.
-SHARED_FUNCTION uint packMark(uint orderLevel, uint pixelClass, uint footprint) {
-    return (orderLevel << 18) | (pixelClass << 16) | footprint;
+/// What a draw's samples have in common, in span.w: order level and class (both as in a key), the bits of a coordinate
+/// in a vertex' place, and footprint.
+SHARED_FUNCTION uint packMark(uint orderLevel, uint pixelClass, uint placeBits, uint footprint) {
+    return (orderLevel << 18) | (pixelClass << 16) | (placeBits << 12) | footprint;
 }
 SHARED_FUNCTION uint levelAndClassOf(TileDraw draw) {
     return draw.span.w >> 16;
 }
+SHARED_FUNCTION uint placeBitsOf(TileDraw draw) {
+    return (draw.span.w >> 12) & 15u;
+}
 SHARED_FUNCTION int footprintOf(TileDraw draw) {
-    return int(draw.span.w & 0xffffu);
+    return int(draw.span.w & 0xfffu);
 }
 
 /// Nearest surface that is drawn, 10 micrometres before the eye, as eye disparity in 1/m.
 SHARED_CONSTANT float kMaxEyeDisparity = 1e5f;
 
-/// place as in scene::TileVertex: x | y << 6 | q << 12. Through int because processors convert that faster.
+/// place as in scene::TileVertex: x | y << bits | q << 2 bits. Through int because processors convert that faster.
 SHARED_FUNCTION vec4 warpSample(TileDraw draw, uint place) {
-    float x = float(int(place & 63u));
-    float y = float(int((place >> 6) & 63u));
-    float q = float(int(place >> 12));
+    uint bits = placeBitsOf(draw), mask = (1u << bits) - 1u;
+    float x = float(int(place & mask));
+    float y = float(int((place >> bits) & mask));
+    float q = float(int(place >> (2u * bits)));
     PRECISE vec4 h = draw.base + x * draw.perX + y * draw.perY + q * draw.perQ;
     return h;
 }

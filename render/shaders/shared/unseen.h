@@ -27,7 +27,7 @@ struct UnseenConstants {
     vec4 perX;    ///< and what a pixel to the right, w: pixels across
     vec4 perY;    ///< or down adds; w: pixels down
     vec4 pattern; ///< stripes' phase per edge of the cube, along x, y, z; w: phase at the eye
-    vec4 fade;    ///< x: phase per metre; y: a pixel's width at depth 1; z: depth of the sky; w: where it is drawn as if
+    vec4 fade; ///< x: phase per metre; y: a pixel's width at depth 1; z: depth of the sky; w: where it is drawn as if
 };
 
 /// A place in the tree: the cell that a point is in.
@@ -179,7 +179,8 @@ SHARED_FUNCTION vec3 rayOf(UnseenConstants c, float x, float y) {
     return direction;
 }
 
-/// How far a pixel's ray is asked about: to just before what is drawn there. pixelClass and depth as resolve wrote them.
+/// How far a pixel's ray is asked about: to just before what is drawn there. pixelClass and depth as resolve wrote
+/// them.
 SHARED_FUNCTION float unseenEnd(UnseenConstants c, uint pixelClass, float depth) {
     bool isDrawn = pixelClass != kClassBackground && depth < kRayInfinity;
     return isDrawn ? depth * (1.0f - c.base.w) : kRayInfinity;

@@ -29,12 +29,18 @@ SHARED_FUNCTION uint colourAndClassOf(uvec2 key) {
     return (key.x >> 8) | ((key.x & 3u) << 24);
 }
 
+/// The eye's disparity, 1/m: the order's with its level taken back.
+SHARED_FUNCTION float eyeDisparityOf(uvec2 key) {
+    PRECISE float scale = 1.0f + float(int((key.x >> 2) & 63u)) / 63.0f;
+    PRECISE float disparity = uintBitsToFloat(key.y) * scale;
+    return disparity;
+}
+
 /// Metres along z; 0 where nothing is, infinity for what is infinitely far (sky).
 SHARED_FUNCTION float depthOf(uvec2 key) {
     if ((key.x & 3u) == kClassBackground) return 0.0f;
     if (key.y == 0u) return uintBitsToFloat(0x7f800000u);
-    float scale = 1.0f + float((key.x >> 2) & 63u) / 63.0f;
-    return 1.0f / (uintBitsToFloat(key.y) * scale);
+    return 1.0f / eyeDisparityOf(key);
 }
 
 SHARED_END

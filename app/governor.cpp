@@ -1,0 +1,150 @@
+#include "app/governor.h"
+
+#include "app/quality_file.h"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cmath>
+#include <cstdio>
+
+namespace app {
+
+namespace {
+
+/// Share of a frame that does not go with the number of its pixels: samples are read whatever they become.
+constexpr double kFixedShare = 0.45;
+/// Of what a frame of the mesh takes, as points.
+constexpr double kPointsShare = 0.5;
+
+/// Resolution goes first, then the way surfaces are made, then resolution down to where it is still a picture.
+constexpr std::array kGentleScales{0.85, 0.7, 0.6, 0.5};
+constexpr double kFloorScale = 0.35;
+
+std::string scaleName(double scale) {
+    std::array<char, 32> text{};
+    std::snprintf(text.data(), text.size(), "resolution x %.2g", scale);
+    return text.data();
+}
+
+double costOf(double scale) {
+    return kFixedShare + (1 - kFixedShare) * scale * scale;
+}
+
+} // namespace
+
+std::vector<Rung> ladderOf(const render::Quality& base) {
+    std::vector<Rung> ladder{{"as asked", base, 1}};
+    const auto add = [&](double scale, bool simply) {
+        Rung rung{scaleName(scale), base, costOf(scale)};
+        rung.quality.resolutionScale = base.resolutionScale * scale;
+        if (simply && base.warp != render::Warp::points) {
+            rung.name += ", points";
+            rung.quality.warp = render::Warp::points;
+            rung.cost *= kPointsShare;
+        }
+        // What is asked for may be at the floor already, or need nothing simpler.
+        if (rung.cost < ladder.back().cost && rung.quality.resolutionScale >= render::kMinResolutionScale)
+            ladder.push_back(std::move(rung));
+    };
+    for (const double scale : kGentleScales)
+        add(scale, false);
+    add(kGentleScales.back(), true);
+    add(kFloorScale, true);
+    return ladder;
+}
+
+Governor::Governor(std::vector<double> costs, const GovernorOptions& options)
+    : costs_(std::move(costs)), options_(options), patience_(options.patience), frames_(costs_.size()) {
+    assert(!costs_.empty() && options.late <= options.window && options.budgetMilliseconds > 0);
+}
+
+int Governor::rungFor(std::uint64_t frame) {
+    if (last_ && frame <= *last_) {
+        told_.clear();
+        first_ = frame;
+        framesOnRung_ = 0;
+    }
+    last_ = frame;
+    if (const std::optional<int> rung = wanted()) change(*rung, frame);
+    ++framesOnRung_, ++asked_;
+    ++frames_[static_cast<std::size_t>(rung_)];
+    return rung_;
+}
+
+void Governor::tell(std::uint64_t frame, double milliseconds) {
+    // Nothing of before the change, and no clock that ran backwards.
+    if (!last_ || frame < first_ || frame > *last_ || !(milliseconds >= 0)) return;
+    told_.push_back(milliseconds);
+    if (told_.size() > static_cast<std::size_t>(std::max(options_.window, options_.patience))) told_.pop_front();
+}
+
+double Governor::median(std::size_t newest) const {
+    std::vector<double> values(told_.end() - static_cast<std::ptrdiff_t>(std::min(newest, told_.size())), told_.end());
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    return *middle;
+}
+
+/// The rung that is called for, if not this one.
+std::optional<int> Governor::wanted() const {
+    const auto window = static_cast<std::size_t>(options_.window);
+    const double full = options_.fullShare * options_.budgetMilliseconds,
+                 room = options_.roomShare * options_.budgetMilliseconds;
+    const auto costAt = [&](int rung) { return costs_[static_cast<std::size_t>(rung)]; };
+    const int floor = static_cast<int>(costs_.size()) - 1;
+
+    const auto newest = told_.end() - static_cast<std::ptrdiff_t>(std::min(window, told_.size()));
+    const auto late = std::count_if(newest, told_.end(), [&](double ms) { return ms > full; });
+    if (late >= options_.late && rung_ < floor) {
+        // The late ones say how far: those before may be of an easier place.
+        std::vector<double> values(newest, told_.end());
+        std::sort(values.begin(), values.end());
+        const double load = values[values.size() - static_cast<std::size_t>(late) / 2 - 1];
+        int rung = rung_ + 1;
+        while (rung < floor && load * costAt(rung) / costAt(rung_) > full)
+            ++rung;
+        return rung;
+    }
+
+    if (rung_ == 0 || told_.size() < static_cast<std::size_t>(options_.patience)) return std::nullopt;
+    const double load = median(told_.size());
+    // What made the last climb fail is gone: no reason to be patient any longer.
+    const bool isEased = failedAt_ > 0 && load < 0.7 * failedAt_;
+    if (framesOnRung_ < static_cast<std::uint64_t>(isEased ? options_.patience : patience_)) return std::nullopt;
+    if (load * costAt(rung_ - 1) / costAt(rung_) < room) return rung_ - 1;
+    return std::nullopt;
+}
+
+void Governor::change(int rung, std::uint64_t frame) {
+    const bool climbs = rung < rung_;
+    const double load = median(told_.size());
+    if (!climbs && climbed_ && framesOnRung_ <= static_cast<std::uint64_t>(options_.trial)) {
+        patience_ = std::min(2 * patience_, options_.mostPatience);
+        failedAt_ = climbedFrom_;
+    }
+    if (climbs && failedAt_ > 0 && load < 0.7 * failedAt_) patience_ = options_.patience, failedAt_ = 0;
+    climbedFrom_ = load;
+    climbed_ = climbs;
+    if (changes_.size() < kMostChanges) changes_.push_back({asked_, rung_, rung, load});
+    rung_ = rung;
+    first_ = frame;
+    framesOnRung_ = 0;
+    told_.clear();
+}
+
+nlohmann::json toJson(const Governor& governor, std::span<const Rung> ladder, double framesPerSecond) {
+    nlohmann::json changes = nlohmann::json::array(), rungs = nlohmann::json::array();
+    const auto nameOf = [&](int rung) { return ladder[static_cast<std::size_t>(rung)].name; };
+    for (const Governor::Change& change : governor.changes())
+        changes.push_back({{"frame", change.frame},
+                           {"from", nameOf(change.from)},
+                           {"to", nameOf(change.to)},
+                           {"load_ms", change.milliseconds}});
+    for (std::size_t i = 0; i < ladder.size(); ++i)
+        rungs.push_back(
+            {{"name", ladder[i].name}, {"quality", toJson(ladder[i].quality)}, {"frames", governor.frames()[i]}});
+    return {{"rate_hz", framesPerSecond}, {"rungs", rungs}, {"changes", changes}};
+}
+
+} // namespace app

@@ -1,0 +1,57 @@
+#include "render/post/rescale.h"
+
+#include "render/device.h"
+#include "render/shaders/shared/rescale.h"
+#include "spirv/rescale.comp.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace render {
+
+namespace {
+
+constexpr std::array kBindings{Binding::storage, Binding::storage, Binding::storage, Binding::storage};
+
+} // namespace
+
+RescalePass makeRescalePass(const Device& device) {
+    RescalePass pass;
+    pass.layout = makeSetLayout(device, kBindings);
+    const std::uint32_t workgroupSize = device.isProcessor() ? static_cast<std::uint32_t>(device.subgroupSize()) : 128;
+    pass.pipeline = makeComputePipeline(device, kRescaleCode, std::array<VkDescriptorSetLayout, 1>{pass.layout},
+                                        sizeof(RescaleConstants), std::array{workgroupSize});
+    return pass;
+}
+
+ScaledTarget makeScaledTarget(const Device& device, const RescalePass& pass, VkDescriptorSetLayout eyeLayout,
+                              const EyeTarget& eye, int width, int height, std::size_t maxDraws) {
+    ScaledTarget scaled;
+    scaled.target = makeEyeTarget(device, eyeLayout, width, height, maxDraws);
+    scaled.pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+    scaled.pool = makeSetPool(device, 1, kBindings);
+    const std::array<Bound, kBindings.size()> bound{{{scaled.target.colours.handle()},
+                                                     {scaled.target.depths.handle()},
+                                                     {eye.colours.handle()},
+                                                     {eye.depths.handle()}}};
+    scaled.set = allocateSet(device, scaled.pool, pass.layout, bound);
+    return scaled;
+}
+
+int scaledSide(int pixels, double scale) {
+    return std::max(1, static_cast<int>(std::lround(pixels * scale)));
+}
+
+void recordRescale(VkCommandBuffer commands, const RescalePass& pass, const ScaledTarget& from, int fromWidth,
+                   int fromHeight, int toWidth, int toHeight) {
+    const RescaleConstants constants{static_cast<std::uint32_t>(fromWidth), static_cast<std::uint32_t>(fromHeight),
+                                     static_cast<std::uint32_t>(toWidth), static_cast<std::uint32_t>(toHeight)};
+    const VkPipelineLayout layout = pass.pipeline.layout;
+    vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pass.pipeline.pipeline);
+    vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, layout, 0, 1, &from.set, 0, nullptr);
+    vkCmdPushConstants(commands, layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof constants, &constants);
+    vkCmdDispatch(commands, static_cast<std::uint32_t>(toHeight), 1, 1);
+}
+
+} // namespace render

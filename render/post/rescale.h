@@ -1,0 +1,37 @@
+#pragma once
+// The scene drawn at another resolution than the eye's: fewer pixels cost less, more of them smooth edges
+// (supersampling; Quality::resolutionScale). shaders/shared/rescale.h says how one becomes the other.
+
+#include "render/pipeline.h"
+#include "render/target.h"
+
+namespace render {
+
+struct RescalePass {
+    DescriptorSetLayout layout; ///< 0 and 1 colours and depths as warped, 2 and 3 the eye's
+    ComputePipeline pipeline;
+};
+
+RescalePass makeRescalePass(const Device& device);
+
+/// What an eye's scene is warped into where that is not the eye's own target. Any size fits of no more pixels than
+/// it was made for, so that the scale may change from frame to frame.
+struct ScaledTarget {
+    EyeTarget target;
+    std::size_t pixels = 0;
+    DescriptorPool pool;
+    VkDescriptorSet set = VK_NULL_HANDLE;
+};
+
+/// eye: where the picture goes in the end. Throws scene::Failure as makeEyeTarget does.
+ScaledTarget makeScaledTarget(const Device& device, const RescalePass& pass, VkDescriptorSetLayout eyeLayout,
+                              const EyeTarget& eye, int width, int height, std::size_t maxDraws);
+
+/// Pixels along a side of `pixels` at that scale; at least one.
+int scaledSide(int pixels, double scale);
+
+/// After the scaled picture was resolved.
+void recordRescale(VkCommandBuffer commands, const RescalePass& pass, const ScaledTarget& from, int fromWidth,
+                   int fromHeight, int toWidth, int toHeight);
+
+} // namespace render

@@ -1,0 +1,82 @@
+#ifndef RENDER_SHADERS_SHARED_RESCALE_H
+#define RENDER_SHADERS_SHARED_RESCALE_H
+// A picture of one size becomes one of another. Along each axis a pixel of the new picture takes several of the old
+// one, with whole-numbered weights, so that every device gives the same bytes: to a larger picture linearly between the
+// two pixels about its centre, to a smaller one by the shares of its own width that they cover (a box filter, which is
+// what supersampling wants).
+//
+// New sizes up to 16384 and at most 4 old pixels along a new one: no sum leaves 32 bits.
+
+#include "render/shaders/shared/language.h"
+
+SHARED_BEGIN
+
+struct RescaleConstants {
+    uint fromWidth, fromHeight;
+    uint toWidth, toHeight;
+};
+
+SHARED_CONSTANT uint kWholeWeight = 256u;
+
+/// The old pixel in which the new one's centre lies.
+SHARED_FUNCTION uint nearestPixel(uint i, uint from, uint to) {
+    return ((2u * i + 1u) * from) / (2u * to);
+}
+
+/// The new pixel's centre counted from the first old centre, in 1 / (2 to); negative before it.
+SHARED_FUNCTION int centreOf(uint i, uint from, uint to) {
+    return int((2u * i + 1u) * from) - int(to);
+}
+
+/// Old pixels first to last have a share in new pixel i.
+SHARED_FUNCTION uint firstPixel(uint i, uint from, uint to) {
+    if (from > to) return i * from / to;
+    return uint(max(centreOf(i, from, to), 0)) / (2u * to);
+}
+SHARED_FUNCTION uint lastPixel(uint i, uint from, uint to) {
+    if (from > to) return ((i + 1u) * from - 1u) / to;
+    if (centreOf(i, from, to) <= 0) return 0u;
+    return min(firstPixel(i, from, to) + 1u, from - 1u);
+}
+
+/// The share of old pixel p, one of those, in 1 / kWholeWeight; the nearest pixel's is never 0.
+SHARED_FUNCTION uint weightOf(uint p, uint i, uint from, uint to) {
+    if (from > to) {
+        uint begin = max(i * from, p * to), end = min((i + 1u) * from, (p + 1u) * to);
+        return ((end - begin) * kWholeWeight + to / 2u) / to;
+    }
+    uint first = firstPixel(i, from, to), last = lastPixel(i, from, to);
+    if (first == last) return kWholeWeight;
+    uint second = ((uint(centreOf(i, from, to)) - first * 2u * to) * kWholeWeight + to) / (2u * to);
+    return p == first ? kWholeWeight - second : second;
+}
+
+/// Colours of which kinds may be mixed: what was measured with what was filled in, and nothing else. pixel: r | g << 8
+/// | b << 16 | class << 24.
+SHARED_FUNCTION uint kindOf(uint pixel) {
+    uint pixelClass = pixel >> 24;
+    return pixelClass == 2u ? 1u : pixelClass;
+}
+
+/// Weighted colours of one kind.
+struct ColourSum {
+    uint r, g, b, weight;
+};
+SHARED_FUNCTION ColourSum addColour(ColourSum sum, uint pixel, uint weight) {
+    sum.r += (pixel & 0xffu) * weight;
+    sum.g += ((pixel >> 8) & 0xffu) * weight;
+    sum.b += ((pixel >> 16) & 0xffu) * weight;
+    sum.weight += weight;
+    return sum;
+}
+
+/// The mean, rounded, with the class of the nearest pixel.
+SHARED_FUNCTION uint meanColour(ColourSum sum, uint nearest) {
+    uint rounding = sum.weight / 2u;
+    return ((sum.r + rounding) / sum.weight) | (((sum.g + rounding) / sum.weight) << 8) |
+           (((sum.b + rounding) / sum.weight) << 16) | (nearest & 0xff000000u);
+}
+
+SHARED_END
+
+#endif
