@@ -67,7 +67,9 @@ void drawKnobs(PanelState& state, Knobs& knobs) {
     if (ImGui::SliderFloat("resolution", &scale, 0.1f, 1, "%.2f"))
         knobs.resolutionScale = std::clamp(static_cast<double>(scale), 0.1, 1.0);
 
-    ImGui::Checkbox("the unseen", &state.showsUnseen);
+    ImGui::Checkbox("the unseen", &knobs.quality.showUnseen);
+    ImGui::SameLine();
+    ImGui::Checkbox("tint what was filled", &state.tintsFilled);
     ImGui::SameLine();
     ImGui::Checkbox("cameras", &knobs.showsCameras);
     ImGui::SameLine();

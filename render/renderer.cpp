@@ -62,7 +62,6 @@ FrameStats Renderer::draw(std::span<const scene::View> views, const Quality& qua
     }
 
     chooseResolution(quality);
-    makeRoomToBlend(quality);
     tbb::parallel_for(std::size_t{0}, eyes_.size(), [&](std::size_t i) {
         const int index = static_cast<int>(i);
         prepare(eyes_[i], views[i], quality, slot, index);
@@ -91,20 +90,6 @@ FrameStats Renderer::draw(std::span<const scene::View> views, const Quality& qua
     ++frames_;
     last_ = stats;
     return stats;
-}
-
-void Renderer::makeRoomToBlend(const Quality& quality) {
-    if (!quality.isBlended) return;
-    for (Eye& eye : eyes_) {
-        const int roomWidth = std::max(eye.warpWidth, width_), roomHeight = std::max(eye.warpHeight, height_);
-        if (eye.blend &&
-            eye.blend->pixels >= static_cast<std::size_t>(roomWidth) * static_cast<std::size_t>(roomHeight))
-            continue;
-        for (std::size_t slot = 0; slot < kFramesInFlight; ++slot)
-            streams_.wait(slot); // the one that goes may be in use
-        eye.blend.reset();
-        eye.blend = makeBlendTarget(device_, blend_, roomWidth, roomHeight, scene_.tiles().size());
-    }
 }
 
 void Renderer::chooseResolution(const Quality& quality) {

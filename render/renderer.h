@@ -9,8 +9,8 @@
 #include "render/output.h"
 #include "render/overlay_pass.h"
 #include "render/post/rescale.h"
-#include "render/post/unseen.h"
 #include "render/post/resolve_pass.h"
+#include "render/post/unseen.h"
 #include "render/quality.h"
 #include "render/readback.h"
 #include "render/target.h"
@@ -101,7 +101,6 @@ class Renderer {
         std::array<OverlayBuffers, kFramesInFlight> overlayBuffers{}; ///< made when first wanted
     };
     void chooseResolution(const Quality& quality);
-    void makeRoomToBlend(const Quality& quality);
     void prepare(Eye& eye, const scene::View& view, const Quality& quality, std::size_t slot, int index);
     void prepareOverlay(Eye& eye, const scene::View& view, const Overlay& overlay, std::size_t slot, int index);
     void recordCommands(Eye& eye, const scene::View& view, const Quality& quality, const EyeOutput& output,

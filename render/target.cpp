@@ -12,8 +12,8 @@ namespace render {
 
 namespace {
 
-constexpr std::array kEyeBindings{Binding::storage, Binding::storage, Binding::storage, Binding::storage,
-                                  Binding::texels,  Binding::storage};
+constexpr std::array kEyeBindings{Binding::storage, Binding::storage, Binding::storage,
+                                  Binding::storage, Binding::texels,  Binding::storage};
 
 void requireTexels(const Device& device, std::size_t texels) {
     if (texels <= device.limits().maxTexelBufferElements) return;

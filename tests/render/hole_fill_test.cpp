@@ -61,8 +61,8 @@ TEST(HoleFill, TheMaskIsThePapers) {
         }
         bool isFilled = false;
         for (std::size_t n = 0; n < 4; ++n)
-            isFilled |= disparity[n] > 0 && disparity[8 - n] > 0 &&
-                        std::abs(disparity[n] - disparity[8 - n]) < 0.01f && std::abs(grey[n] - grey[8 - n]) <= 64;
+            isFilled |= disparity[n] > 0 && disparity[8 - n] > 0 && std::abs(disparity[n] - disparity[8 - n]) < 0.01f &&
+                        std::abs(grey[n] - grey[8 - n]) <= 64;
         const uvec2 key = picture.fill(1, 1, fillWithin(1));
         ASSERT_EQ(!isHole(key), isFilled) << i;
         filledCount += isFilled;
@@ -203,11 +203,10 @@ TEST_F(HoleFillOnDevice, IsThatOfTheProcessor) {
             for (std::size_t i = 0; i < drawn.colour.size(); ++i) {
                 fillers += truth.pixelClass.pixels()[i] == 2;
                 const scene::Rgb8 a = drawn.colour.pixels()[i], b = truth.colour.pixels()[i];
-                const bool isAlike =
-                    drawn.pixelClass.pixels()[i] == truth.pixelClass.pixels()[i] && std::abs(a.r - b.r) <= 1 &&
-                    std::abs(a.g - b.g) <= 1 && std::abs(a.b - b.b) <= 1 &&
-                    std::abs(drawn.depthMetres.pixels()[i] - truth.depthMetres.pixels()[i]) <=
-                        1e-5f * truth.depthMetres.pixels()[i];
+                const bool isAlike = drawn.pixelClass.pixels()[i] == truth.pixelClass.pixels()[i] &&
+                                     std::abs(a.r - b.r) <= 1 && std::abs(a.g - b.g) <= 1 && std::abs(a.b - b.b) <= 1 &&
+                                     std::abs(drawn.depthMetres.pixels()[i] - truth.depthMetres.pixels()[i]) <=
+                                         1e-5f * truth.depthMetres.pixels()[i];
                 differ += !isAlike;
             }
             // One sample that rounds into the next pixel changes what is filled around it.

@@ -26,8 +26,10 @@ SHARED_BEGIN
 // The z-buffer is lent: GLSL's functions call keyAt, which the shader defines; those of C++ are given it. It answers
 // (0, 0) outside the picture.
 #ifdef __cplusplus
-#define HOLE_FUNCTION template <class KeyAt> inline
-#define HOLE_KEYS const KeyAt& keyAt,
+#define HOLE_FUNCTION                                                                                                  \
+    template <class KeyAt>                                                                                             \
+    inline
+#define HOLE_KEYS const KeyAt &keyAt,
 #define HOLE_LENT keyAt,
 #else
 uvec2 keyAt(ivec2 pixel);
@@ -66,10 +68,7 @@ SHARED_FUNCTION int holeBlocksAcross(int pixels) {
 /// The first four are the mask's.
 SHARED_FUNCTION ivec2 holeAxis(int axis) {
     int turn = axis & 3;
-    ivec2 step = turn == 0   ? ivec2(1, 0)
-                 : turn == 1 ? ivec2(0, 1)
-                 : turn == 2 ? ivec2(1, 1)
-                             : ivec2(1, -1);
+    ivec2 step = turn == 0 ? ivec2(1, 0) : turn == 1 ? ivec2(0, 1) : turn == 2 ? ivec2(1, 1) : ivec2(1, -1);
     if (axis < 4) return step;
     return turn == 0 ? ivec2(2, 1) : turn == 1 ? ivec2(1, 2) : turn == 2 ? ivec2(2, -1) : ivec2(1, -2);
 }
@@ -80,7 +79,7 @@ SHARED_FUNCTION bool isHole(uvec2 key) {
 
 /// What is met on the way out of a hole.
 struct HoleEnd {
-    int steps; ///< along the axis; 0: nothing within reach
+    int steps;       ///< along the axis; 0: nothing within reach
     float disparity; ///< 1/m
     float slope;     ///< of disparity, per step outwards
     bool hasSlope;
