@@ -13,6 +13,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <utility>
 
 namespace render {
 
@@ -61,8 +62,9 @@ bool hasDetail(const Quality& quality) {
 std::optional<vec4> detailOf(const glm::dmat4& c, const SourceView& source, const TileBounds& bounds, std::uint32_t i,
                              double samplePixels) {
     // w is affine in (x, y, d): its extremes stand in corners of the box.
-    const auto along = [](double slope, float low, float high) {
-        return std::minmax(slope * static_cast<double>(low), slope * static_cast<double>(high));
+    const auto along = [](double slope, float low, float high) -> std::pair<double, double> {
+        const double a = slope * static_cast<double>(low), b = slope * static_cast<double>(high);
+        return {std::min(a, b), std::max(a, b)};
     };
     const auto x = along(c[0].z, bounds.xMin[i], bounds.xMax[i]), y = along(c[1].z, bounds.yMin[i], bounds.yMax[i]),
                d = along(c[3].z, bounds.dMin[i], bounds.dMax[i]);

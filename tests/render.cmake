@@ -4,6 +4,7 @@ target_link_libraries(revisit_render_scenes PUBLIC render PRIVATE revisit_flags)
 
 revisit_test(revisit_render_tests LABELS gpu LINKS revisit_render_scenes TBB::tbb
     SOURCES
+        render/adaptive_test.cpp
         render/blend_test.cpp
         render/device_test.cpp
         render/draw_list_test.cpp
