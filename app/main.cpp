@@ -75,6 +75,9 @@ void addBuild(CLI::App& program, app::BuildOptions& options, std::string& memory
                      "filled unless another image confirms it; 0: never")
         ->check(CLI::Range(0, 100))
         ->capture_default_str();
+    build->add_flag_callback(
+        "--no-coverage", [&] { options.findUnseen = false; },
+        "do not find out which space no image observed: nothing is shown as unseen");
     build
         ->add_option("--mesh-tolerance", options.pyramid.facetTolerance,
                      "share of depth by which the adaptive mesh may leave the samples")
@@ -125,6 +128,8 @@ void addDrawOptions(CLI::App& command, app::DrawOptions& options) {
                 knob.does + ": " + knob.values)
             ->type_name("")
             ->group(group);
+    command.add_flag("--hide-unseen", options.hideUnseen,
+                     "show space that no image ever observed as emptiness instead of dark stripes");
     command.add_option("--ipd", options.eyeDistanceMetres, "metres between the eyes")
         ->check(CLI::Range(0.0, 1.0))
         ->capture_default_str();

@@ -115,7 +115,8 @@ render::EyeImage sideBySide(const scene::Image<scene::Rgb8>& drawn, const scene:
 
 /// Every setting from every camera; the worst picture of each setting is written beside its photograph.
 void compare(const MeasureOptions& o, const std::vector<TruthSource>& truths, const render::Device& device,
-             const render::GpuScene& gpuScene, const Plan& plan, std::vector<MeasuredSetting>& measured) {
+             const render::GpuScene& gpuScene, const render::GpuCoverage* coverage, const Plan& plan,
+             std::vector<MeasuredSetting>& measured) {
     std::vector<double> worst(measured.size(), std::numeric_limits<double>::infinity());
     std::vector<render::EyeImage> worstPairs(measured.size());
     std::optional<render::Renderer> renderer;
@@ -125,7 +126,7 @@ void compare(const MeasureOptions& o, const std::vector<TruthSource>& truths, co
         const scene::Camera& camera = source.view.camera;
         if (!renderer || renderer->width() != camera.width || renderer->height() != camera.height) {
             renderer.reset();
-            renderer.emplace(device, gpuScene, camera.width, camera.height, 1);
+            renderer.emplace(device, gpuScene, camera.width, camera.height, 1, coverage);
         }
         const scene::View view{camera, source.view.worldFromCamera};
         for (std::size_t i = 0; i < measured.size(); ++i) {
@@ -145,8 +146,9 @@ void compare(const MeasureOptions& o, const std::vector<TruthSource>& truths, co
 
 /// Every setting at every place, in turn, so that whatever else the machine does meets all of them alike.
 void time(const MeasureOptions& o, const std::vector<scene::Pose>& heads, const render::Device& device,
-          const render::GpuScene& gpuScene, const Plan& plan, std::vector<MeasuredSetting>& measured) {
-    render::Renderer renderer(device, gpuScene, o.width, o.height, 2);
+          const render::GpuScene& gpuScene, const render::GpuCoverage* coverage, const Plan& plan,
+          std::vector<MeasuredSetting>& measured) {
+    render::Renderer renderer(device, gpuScene, o.width, o.height, 2, coverage);
     std::vector<FrameReport> reports(measured.size());
     const scene::Camera camera = eyeCamera(o);
     const auto eyesAt = [&](const scene::Pose& head) {
@@ -230,11 +232,14 @@ void measureScene(const MeasureOptions& o) {
 
     const render::Device device;
     const render::GpuScene gpuScene(device, scene.blocks);
+    std::optional<render::GpuCoverage> unseen;
+    if (scene.coverage && !o.draw.hideUnseen) unseen.emplace(device, *scene.coverage);
+    const render::GpuCoverage* const coverage = unseen ? &*unseen : nullptr;
     std::vector<MeasuredSetting> measured;
     for (const Preset& setting : plan.settings)
         measured.push_back({.name = setting.name, .quality = toJson(setting.quality)});
-    compare(o, truths, device, gpuScene, plan, measured);
-    time(o, heads, device, gpuScene, plan, measured);
+    compare(o, truths, device, gpuScene, coverage, plan, measured);
+    time(o, heads, device, gpuScene, coverage, plan, measured);
 
     const std::span<const MeasuredSetting> all = measured;
     const json report{{"revisit", "measure"},

@@ -57,6 +57,8 @@ void drawKnobs(PanelState& state, Knobs& knobs) {
     ImGui::SameLine();
     ImGui::RadioButton("mesh", &warp, static_cast<int>(render::Warp::mesh));
     knobs.quality.warp = static_cast<render::Warp>(warp);
+    ImGui::SameLine();
+    ImGui::Checkbox("blended", &knobs.quality.isBlended);
     ImGui::SliderInt("widest footprint", &knobs.quality.maxFootprint, 1, 16);
     float baseline = static_cast<float>(knobs.quality.preference.nearBaseline);
     if (ImGui::SliderFloat("near baseline", &baseline, 0, 0.3f, "%.2f"))
@@ -65,7 +67,9 @@ void drawKnobs(PanelState& state, Knobs& knobs) {
     if (ImGui::SliderFloat("resolution", &scale, 0.1f, 1, "%.2f"))
         knobs.resolutionScale = std::clamp(static_cast<double>(scale), 0.1, 1.0);
 
-    ImGui::Checkbox("the unseen", &state.showsUnseen);
+    ImGui::Checkbox("the unseen", &knobs.quality.showUnseen);
+    ImGui::SameLine();
+    ImGui::Checkbox("tint what was filled", &state.tintsFilled);
     ImGui::SameLine();
     ImGui::Checkbox("cameras", &knobs.showsCameras);
     ImGui::SameLine();

@@ -21,9 +21,9 @@ struct WarpName {
     render::Warp warp;
     bool isBlended;
 };
-constexpr std::array kWarpNames{WarpName{"points", render::Warp::points, false},
-                                WarpName{"mesh", render::Warp::mesh, false},
-                                WarpName{"blended", render::Warp::mesh, true}};
+constexpr std::array kWarpNames{
+    WarpName{"points", render::Warp::points, false}, WarpName{"mesh", render::Warp::mesh, false},
+    WarpName{"adaptive", render::Warp::adaptive, false}, WarpName{"blended", render::Warp::mesh, true}};
 
 /// As few digits as tell the number apart from its neighbours: 0.07 and not 0.0700000003.
 template <class T>
@@ -122,6 +122,14 @@ std::vector<Knob> makeKnobs() {
             "pixels along a side of what is warped, over those of the picture; above 1 smooths edges",
             {render::kMinResolutionScale, render::kMaxResolutionScale}, {0.5, 0.7, 0.85, 1.5, 2.0},
             [](auto& q) -> auto& { return q.resolutionScale; }),
+        number(
+            "sample_pixels", "pixels",
+            "points and adaptive: coarser samples stand for finer ones where they are no wider; 0: never", {0, 64},
+            {0, 1, 1.5}, [](auto& q) -> auto& { return q.samplePixels; }),
+        number(
+            "far_sample_pixels", "pixels",
+            "the same for what was taken from far away and is seen only where nothing nearer was", {0, 64},
+            {0, 1, 2, 3}, [](auto& q) -> auto& { return q.farSamplePixels; }),
         number(
             "near_baseline", "",
             "images taken from within this share of a surface's distance are preferred there; 0: the nearest sample "

@@ -9,6 +9,7 @@
 #include "render/output.h"
 #include "render/overlay_pass.h"
 #include "render/post/rescale.h"
+#include "render/post/resolve_pass.h"
 #include "render/post/unseen.h"
 #include "render/quality.h"
 #include "render/readback.h"
@@ -87,8 +88,7 @@ class Renderer {
         /// Where the scene is warped and resolved.
         const EyeTarget& warped() const { return isScaled ? scaled->target : target; }
         std::array<StepTimer, kFramesInFlight> timers;
-        std::vector<glm::dmat4> eyeImagesFromSources{};
-        std::vector<glm::dvec3> eyeFromCameras{};
+        std::vector<SourceView> sources{}; ///< for each of the scene's images
         std::vector<ImagePlanes> planes{};
         VisibleTiles visible{};
         DrawList list{};
@@ -101,22 +101,20 @@ class Renderer {
         std::array<OverlayBuffers, kFramesInFlight> overlayBuffers{}; ///< made when first wanted
     };
     void chooseResolution(const Quality& quality);
-    void makeRoomToBlend(const Quality& quality);
     void prepare(Eye& eye, const scene::View& view, const Quality& quality, std::size_t slot, int index);
     void prepareOverlay(Eye& eye, const scene::View& view, const Overlay& overlay, std::size_t slot, int index);
     void recordCommands(Eye& eye, const scene::View& view, const Quality& quality, const EyeOutput& output,
                         std::size_t slot, int index);
     void recordKeeping(VkCommandBuffer commands, Eye& eye, std::size_t slot) const;
-    void recordResolve(VkCommandBuffer commands, const Eye& eye, VkDescriptorSet eyeSet, const HoleFill& holes) const;
     void readTimes(std::size_t slot, std::vector<StepTime>& times) const;
 
     const Device& device_;
     const GpuScene& scene_;
     int width_, height_;
     DescriptorSetLayout eyeLayout_;
-    std::array<WarpPass, 2> warps_; ///< by Warp
+    WarpPasses warps_;
     BlendPass blend_;
-    ComputePipeline resolve_;
+    ResolvePass resolve_;
     RescalePass rescale_;
     DepthPass depthPass_;
     OverlayPass overlay_;

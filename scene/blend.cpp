@@ -13,23 +13,36 @@ double squared(double x) {
     return x * x;
 }
 
-/// In (0, 1]: 0 for images that are left out.
-double confidenceOf(const TileMiddle& middle, const glm::dvec3& eyeFromCamera, const BlendOptions& options) {
-    // Multiplied by disparity, as in scene/preference.cpp: every camera is near for the sky.
+/// How far the eye stands from the camera, as a share of its distance to the surface. Multiplied by disparity, as in
+/// scene/preference.cpp: every camera is near for the sky.
+double baselineShareOf(const TileMiddle& middle, const glm::dvec3& eyeFromCamera) {
     const double distance = glm::length(middle.rayInWorld - middle.disparity * eyeFromCamera);
     const double baseline = middle.disparity * glm::length(eyeFromCamera);
-    const double limit = static_cast<double>(options.baseline) * distance;
-    if (!(baseline < limit)) return baseline == 0 ? 1 : 0;
-    const double quarter = squared(static_cast<double>(options.quarterBaseline) * distance);
-    const double fading = 1 - squared(baseline / limit); // nothing pops where an image comes in
-    return squared(fading) * squared(quarter / (quarter + squared(baseline)));
+    return baseline > 0 ? baseline / distance : 0;
+}
+
+/// In (0, 1]; 0 for images that are left out.
+double confidenceOf(double baselineShare, const BlendOptions& options) {
+    const double limit = static_cast<double>(options.baseline);
+    if (!(baselineShare < limit)) return baselineShare == 0 ? 1 : 0;
+    const double quarter = squared(static_cast<double>(options.quarterBaseline));
+    const double fading = 1 - squared(baselineShare / limit); // nothing pops where an image comes in
+    return squared(fading) * squared(quarter / (quarter + squared(baselineShare)));
+}
+
+double toleranceOf(double baselineShare, const BlendOptions& options) {
+    const double parallax = static_cast<double>(options.parallax);
+    // A disparity of 0 differs by 1 from any: all that is farther is included then.
+    if (baselineShare <= parallax) return 1;
+    return std::max(parallax / baselineShare, static_cast<double>(options.depthTolerance));
 }
 
 } // namespace
 
 std::optional<BlendSpot> blendSpotOf(const glm::dmat4& c, const SampleBox& box, const TileMiddle& middle,
                                      const glm::dvec3& eyeFromCamera, const BlendOptions& options) {
-    const double confidence = confidenceOf(middle, eyeFromCamera, options);
+    const double baselineShare = baselineShareOf(middle, eyeFromCamera);
+    const double confidence = confidenceOf(baselineShare, options);
     if (!(confidence > 0)) return std::nullopt;
     const glm::dvec3 cx(c[0]), cy(c[1]), place = 0.5 * (box.least + box.most);
     const glm::dvec3 h = place.x * cx + place.y * cy + glm::dvec3(c[2]) + place.z * glm::dvec3(c[3]);
@@ -45,9 +58,13 @@ std::optional<BlendSpot> blendSpotOf(const glm::dmat4& c, const SampleBox& box, 
     const double determinant = xx * yy - xy * xy, most = static_cast<double>(options.maxRadius);
     if (!(determinant > 0 && xx <= most * most && yy <= most * most)) return std::nullopt;
     const double area = std::abs(a * f - b * e) * samples / std::sqrt(determinant);
-    return BlendSpot{static_cast<float>(yy / determinant), static_cast<float>(-2 * xy / determinant),
-                     static_cast<float>(xx / determinant), static_cast<float>(std::sqrt(xx)),
-                     static_cast<float>(std::sqrt(yy)),    static_cast<float>(confidence * std::min(area, 1.0))};
+    return BlendSpot{static_cast<float>(yy / determinant),
+                     static_cast<float>(-2 * xy / determinant),
+                     static_cast<float>(xx / determinant),
+                     static_cast<float>(std::sqrt(xx)),
+                     static_cast<float>(std::sqrt(yy)),
+                     static_cast<float>(confidence * std::min(area, 1.0)),
+                     static_cast<float>(toleranceOf(baselineShare, options))};
 }
 
 float blendUnitOf(std::size_t images) {

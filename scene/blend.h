@@ -25,13 +25,15 @@ struct BlendOptions {
     /// Images taken from farther from the eye than this share of the eye's distance to the surface are left out.
     float baseline = 1.5f;
     /// At this share of the distance an image counts a quarter of one taken from where the eye is.
-    float quarterBaseline = 0.03f;
-    /// Relative difference in disparity up to which a sample means the front surface. Wide, because of two surfaces
-    /// that a registered camera confuses the nearest image is right about the edge.
-    float depthTolerance = 0.1f;
-    float samplesRadius = 1.4f; ///< of a spot, in samples of its image
-    float pixelsRadius = 0.7f;  ///< what that is widened by, in the eye's pixels
-    float maxRadius = 16.f;     ///< spots that reach farther, pixels, are left out: the front surface is shown alone
+    float quarterBaseline = 0.015f;
+    /// A sample means the front surface if it would be seen, at that surface's depth, less than this angle (radians,
+    /// about) beside where it is: so images from near the eye are believed about silhouettes, whose depth nobody
+    /// measured well, and images from far away only where depths agree.
+    float parallax = 0.01f;
+    float depthTolerance = 0.05f; ///< relative difference of disparity up to which it always does
+    float samplesRadius = 0.8f;   ///< of a spot, in samples of its image
+    float pixelsRadius = 0.5f;    ///< what that is widened by, in the eye's pixels
+    float maxRadius = 16.f;       ///< spots that reach farther, pixels, are left out: the front surface is shown alone
 };
 
 /// The spot that every sample of a tile becomes. At an offset (x, y) from its centre, pixels, it counts
@@ -40,6 +42,7 @@ struct BlendSpot {
     float xx = 0, xy = 0, yy = 0; ///< 1 / pixels^2
     float reachX = 0, reachY = 0; ///< half the sides of the box around it, pixels
     float weight = 0;             ///< greater than 0; at most 1
+    float tolerance = 0;          ///< relative difference of disparity up to which a sample means the front surface
 };
 
 /// What a tile's samples become for an eye that stands eyeFromCamera (metres, in the world) away from its camera; none

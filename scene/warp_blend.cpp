@@ -34,8 +34,8 @@ void add(std::uint32_t& sum, std::uint32_t value) {
     std::atomic_ref(sum).fetch_add(value, std::memory_order_relaxed);
 }
 
-void addSpot(const Projected& p, std::uint32_t colour, const BlendSpot& spot, float weight, float tolerance,
-             std::uint32_t pixelClass, const Image<Front>& front, Image<BlendSums>& sums) {
+void addSpot(const Projected& p, std::uint32_t colour, const BlendSpot& spot, float weight, std::uint32_t pixelClass,
+             const Image<Front>& front, Image<BlendSums>& sums) {
     const auto width = static_cast<float>(sums.width()), height = static_cast<float>(sums.height());
     const auto firstOf = [](float position, float reach, float most) {
         return static_cast<int>(std::clamp(std::ceil(position - reach - 0.5f), 0.f, most));
@@ -48,7 +48,7 @@ void addSpot(const Projected& p, std::uint32_t colour, const BlendSpot& spot, fl
         for (int x = firstOf(p.u, spot.reachX, width); x < endX; ++x) {
             const Front& there = front(x, y);
             if (there.pixelClass != pixelClass) continue;
-            if (!(std::abs(p.disparity - there.disparity) <= tolerance * there.disparity)) continue;
+            if (!(std::abs(p.disparity - there.disparity) <= spot.tolerance * there.disparity)) continue;
             const float dx = static_cast<float>(x) + 0.5f - p.u, dy = static_cast<float>(y) + 0.5f - p.v;
             const float rest = std::max(1.f - (spot.xx * dx * dx + spot.xy * dx * dy + spot.yy * dy * dy), 0.f);
             const auto counts = static_cast<std::uint32_t>(weight * rest * rest + 0.5f);
@@ -80,9 +80,7 @@ Image<BlendSums> warpBlend(std::span<const TileBlock> blocks, const View& eye, c
             const auto pixelClass = static_cast<std::uint32_t>(classOf(tile.tier));
             for (const TileVertex& vertex : block.vertices.subspan(tile.firstVertex, tile.pointCount)) {
                 const Projected p = projectVertex(warp, vertex.place);
-                if (p.disparity >= 0)
-                    addSpot(p, vertex.colour, *spot, unit * spot->weight, options.depthTolerance, pixelClass, front,
-                            sums);
+                if (p.disparity >= 0) addSpot(p, vertex.colour, *spot, unit * spot->weight, pixelClass, front, sums);
             }
         }
     });

@@ -8,14 +8,17 @@
 layout(local_size_x_id = 0) in;
 
 layout(std430, set = 0, binding = 2) buffer Colours { uint colours[]; };
+layout(set = 0, binding = 4) uniform usamplerBuffer zTexels;
 layout(std430, set = 1, binding = 1) readonly buffer Sums { uvec4 sums[]; };
-layout(push_constant) uniform Constants { ResolveConstants constants; };
+layout(push_constant) uniform Constants { BlendResolveConstants constants; };
 
 void main()
 {
-    uint end = (gl_WorkGroupID.x + 1u) * constants.width;
-    for (uint i = gl_WorkGroupID.x * constants.width + gl_LocalInvocationID.x; i < end; i += gl_WorkGroupSize.x) {
+    int end = int(gl_WorkGroupID.x + 1u) * constants.width;
+    for (int i = end - constants.width + int(gl_LocalInvocationID.x); i < end; i += int(gl_WorkGroupSize.x)) {
         uvec4 sum = sums[i];
-        if (sum.w != 0u) colours[i] = (colours[i] & 0xff000000u) | meanColourOf(sum.xy, sum.zw);
+        // What was filled is not what the samples were compared with.
+        bool isFront = (colours[i] >> 24) == (texelFetch(zTexels, i).x & 3u);
+        if (sum.w != 0u && isFront) colours[i] = (colours[i] & 0xff000000u) | meanColourOf(sum.xy, sum.zw);
     }
 }

@@ -32,17 +32,17 @@ BlendPass makeBlendPass(const Device& device, VkDescriptorSetLayout pageLayout, 
                                    sizeof(WarpConstants), std::array{size});
     pass.resolve =
         makeComputePipeline(device, kBlendResolveCode, std::array<VkDescriptorSetLayout, 2>{eyeLayout, pass.layout},
-                            sizeof(ResolveConstants), std::array{size});
+                            sizeof(BlendResolveConstants), std::array{size});
     return pass;
 }
 
-BlendTarget makeBlendTarget(const Device& device, const BlendPass& pass, int width, int height, std::size_t maxDraws) {
-    const std::size_t sumBytes = kSumBytes * static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+BlendTarget makeBlendTarget(const Device& device, const BlendPass& pass, std::size_t pixels, std::size_t maxDraws) {
+    const std::size_t sumBytes = kSumBytes * pixels;
     const std::size_t drawBytes = std::max<std::size_t>(maxDraws, 1) * sizeof(BlendDraw);
     requireRange(device, sumBytes, "the sums of the blended warp", "choose a smaller image or another --warp");
     requireRange(device, drawBytes, "the list of tiles", "build the scene with larger tiles");
     BlendTarget target;
-    target.pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+    target.pixels = pixels;
     target.sums = Buffer(device, sumBytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT,
                          MemoryUse::onDevice);
     target.pool = makeSetPool(device, kFramesInFlight, kBindings);
@@ -56,7 +56,8 @@ BlendTarget makeBlendTarget(const Device& device, const BlendPass& pass, int wid
 
 void recordBlend(VkCommandBuffer commands, const BlendPass& pass, const GpuScene& scene, VkDescriptorSet eyeSet,
                  const BlendTarget& target, std::size_t slot, std::span<const DrawRun> runs, int width, int height) {
-    vkCmdFillBuffer(commands, target.sums.handle(), 0, VK_WHOLE_SIZE, 0);
+    vkCmdFillBuffer(commands, target.sums.handle(), 0,
+                    kSumBytes * static_cast<VkDeviceSize>(width) * static_cast<VkDeviceSize>(height), 0);
     record(commands, kAfterClear);
     const VkPipelineLayout layout = pass.add.layout;
     const std::array sets{eyeSet, target.sets[slot]};
@@ -69,7 +70,7 @@ void recordBlendResolve(VkCommandBuffer commands, const BlendPass& pass, VkDescr
                         const BlendTarget& target, std::size_t slot, int width, int height) {
     const VkPipelineLayout layout = pass.resolve.layout;
     const std::array sets{eyeSet, target.sets[slot]};
-    const ResolveConstants constants{width, height, {}};
+    const BlendResolveConstants constants{width};
     vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pass.resolve.pipeline);
     vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, layout, 0, 2, sets.data(), 0, nullptr);
     vkCmdPushConstants(commands, layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof constants, &constants);

@@ -10,8 +10,6 @@
 namespace render {
 namespace {
 
-constexpr std::array<unsigned, 3> kTierFlags{0, scene::kDirectional, scene::kNoSurface | scene::kInterpolated};
-
 class OracleTest : public RenderTest {};
 
 struct Difference {
@@ -40,21 +38,6 @@ Difference compare(const EyeImage& device, const scene::EyeImage& processor) {
     difference.covered /= static_cast<double>(device.colour.size());
     difference.colour /= both;
     return difference;
-}
-
-/// The room from three places; a third of what the second and third took stands in the directional tier, a third are
-/// guesses.
-CutScene roomInAllTiers() {
-    std::vector<scene::DepthImage> images;
-    std::mt19937 random(5);
-    for (const double x : {-0.3, 0.1, 0.35}) {
-        scene::DepthImage image = takeRoom(cameraOf(200, 150, 1.4), poseAt({x, 0.1 * x, 0.2}, 0.4 * x, 0.05));
-        if (!images.empty())
-            for (std::uint8_t& flags : image.flags.pixels())
-                flags = static_cast<std::uint8_t>(flags | kTierFlags[random() % kTierFlags.size()]);
-        images.push_back(std::move(image));
-    }
-    return cut(std::move(images));
 }
 
 TEST_F(OracleTest, PointsAreThoseOfTheProcessor) {

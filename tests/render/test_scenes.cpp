@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <random>
 
 namespace render {
 
@@ -150,6 +151,23 @@ std::size_t pointsOf(const CutScene& scene) {
         for (const scene::Tile& tile : set.tiles)
             points += tile.pointCount;
     return points;
+}
+
+std::vector<scene::DepthImage> roomFromThreePlaces() {
+    std::vector<scene::DepthImage> images;
+    for (const double x : {-0.3, 0.1, 0.35})
+        images.push_back(takeRoom(cameraOf(200, 150, 1.4), poseAt({x, 0.1 * x, 0.2}, 0.4 * x, 0.05)));
+    return images;
+}
+
+CutScene roomInAllTiers() {
+    constexpr std::array<unsigned, 3> kTierFlags{0, scene::kDirectional, scene::kNoSurface | scene::kInterpolated};
+    std::vector<scene::DepthImage> images = roomFromThreePlaces();
+    std::mt19937 random(5);
+    for (std::size_t i = 1; i < images.size(); ++i)
+        for (std::uint8_t& flags : images[i].flags.pixels())
+            flags = static_cast<std::uint8_t>(flags | kTierFlags[random() % kTierFlags.size()]);
+    return cut(std::move(images));
 }
 
 } // namespace render

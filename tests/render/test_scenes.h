@@ -36,6 +36,13 @@ CutScene cut(std::vector<scene::DepthImage> images, int tileSize = scene::kDefau
 /// Six square faces from the middle of the room, size pixels wide.
 CutScene roomFromWithin(int size, int tileSize = scene::kDefaultTileSize);
 
+/// The room from three places near its middle, 0.4 and 0.25 m apart.
+std::vector<scene::DepthImage> roomFromThreePlaces();
+
+/// The same; a third of what the second and third took stands in the directional tier, a third are
+/// guesses.
+CutScene roomInAllTiers();
+
 /// Samples of all blocks that the points warp draws.
 std::size_t pointsOf(const CutScene& scene);
 

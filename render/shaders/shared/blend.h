@@ -17,8 +17,12 @@ struct BlendDraw {
     vec4 reach; ///< half the sides of the spot's box, pixels; tolerance of disparity; nothing
 };
 
+struct BlendResolveConstants {
+    int width; ///< pixels; a workgroup resolves one row
+};
+
 #ifdef __cplusplus
-static_assert(sizeof(BlendDraw) == 112);
+static_assert(sizeof(BlendDraw) == 144 && sizeof(BlendResolveConstants) == 4);
 #endif
 
 /// The eye disparity at a pixel of the first pass.

@@ -13,11 +13,13 @@
 SHARED_BEGIN
 
 struct TileDraw {
-    vec4 base;  ///< h of the tile's first sample at its minDisparity
-    vec4 perX;  ///< what one sample to the right adds
-    vec4 perY;  ///< one sample down
-    vec4 perQ;  ///< one step of quantised disparity
-    uvec4 span; ///< first vertex in the page; first item (points: vertex, mesh: quad); items; see packMark
+    vec4 base;    ///< h of the tile's first sample at its minDisparity
+    vec4 perX;    ///< what one sample to the right adds
+    vec4 perY;    ///< one sample down
+    vec4 perQ;    ///< one step of quantised disparity
+    uvec4 span;   ///< first vertex (facets: texel) in the page; first item (vertex, quad or facet); items; see packMark
+    uvec4 source; ///< first sample in its image, x and y; level of detail | texels in a row << 8; image
+    vec4 detail;  ///< see isOfDetail; x 0: all samples are drawn
 };
 
 struct WarpConstants {
@@ -27,7 +29,7 @@ struct WarpConstants {
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(TileDraw) == 80 && alignof(TileDraw) == 4);
+static_assert(sizeof(TileDraw) == 112 && alignof(TileDraw) == 4);
 static_assert(sizeof(WarpConstants) == 12);
 #endif
 
@@ -57,6 +59,12 @@ SHARED_FUNCTION vec4 warpSample(TileDraw draw, uint place) {
     float q = float(int(place >> (2u * bits)));
     PRECISE vec4 h = draw.base + x * draw.perX + y * draw.perY + q * draw.perQ;
     return h;
+}
+
+/// Where a sample stands in its tile.
+SHARED_FUNCTION uvec2 columnAndRowOf(TileDraw draw, uint place) {
+    uint bits = placeBitsOf(draw), mask = (1u << bits) - 1u;
+    return uvec2(place & mask, (place >> bits) & mask);
 }
 
 /// True before the eye and not too near; what is not can neither be projected nor compared.
