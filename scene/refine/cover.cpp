@@ -94,10 +94,11 @@ class Carving {
         if (mayDivide && cell > limit * spacing && level + 1 < kMaxCoverageLevels) return (node.surface & mask) == 0;
         // Smallest cells in the open are as their middle is, else every end of seen space would reach a cell too far.
         // Cells at surfaces are surface if any of them is seen: they must not stand out of it as unseen.
-        const bool isSmallest = cell <= c_.smallest * spacing;
-        const BoxSight core = c_.space.look({middle, glm::dvec3(kMiddleShare * cell)});
-        if (isSmallest && !sight.hasSurface && core.sight == Sight::none) return false;
-        if (isSmallest ? sight.hasSurface : core.sight != Sight::all)
+        const bool isSmallest = !mayDivide || cell <= c_.smallest * spacing;
+        const bool holdsSample = isSmallest && c_.space.holdsSample({middle, cell * c_.halfOfUnit});
+        const Sight core = c_.space.look({middle, glm::dvec3(kMiddleShare * cell)}).sight;
+        if (isSmallest && !holdsSample && core == Sight::none) return false;
+        if (isSmallest ? holdsSample : core != Sight::all)
             node.surface |= mask;
         else
             node.empty |= mask, node.surface &= ~mask;

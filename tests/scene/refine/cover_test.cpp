@@ -1,5 +1,6 @@
 #include "scene/refine/cover.h"
 
+#include "scene/refine/skins.h"
 #include "tests/scene/known_scenes.h"
 
 #include <algorithm>
@@ -58,8 +59,8 @@ double distanceToSamples(const std::vector<DepthImage>& images, const glm::dvec3
         for (int y = 0; y < image.camera.height; ++y)
             for (int x = 0; x < image.camera.width; ++x)
                 if (isSurface(image.flags(x, y)) && image.disparity(x, y) > 0)
-                    least = std::min(least, glm::length(pointInWorld(image, x + 0.5, y + 0.5,
-                                                                     double{image.disparity(x, y)}) - p));
+                    least = std::min(
+                        least, glm::length(pointInWorld(image, x + 0.5, y + 0.5, double{image.disparity(x, y)}) - p));
     return least;
 }
 
@@ -88,6 +89,15 @@ void expectAgrees(const Coverage& coverage, const std::vector<DepthImage>& image
     EXPECT_GT(unseen, 500);
 }
 
+/// As the stages before leave them: silhouettes marked.
+std::vector<DepthImage> markedImages(int count) {
+    std::vector<DepthImage> images = imagesOfBareRoom(count);
+    SkinFigures figures;
+    for (DepthImage& image : images)
+        image.flags = markPlanarSkins(image, SkinOptions{}.planarity, figures);
+    return images;
+}
+
 TEST(Cover, AgreesWithTheSamplesOfOneImage) {
     expectAgrees(coverOf({stepImage()}), {stepImage()});
 }
@@ -99,7 +109,7 @@ TEST(Cover, WhatEitherImageSawIsObserved) {
 }
 
 TEST(Cover, AgreesWithImagesOfARoom) {
-    const std::vector<DepthImage> images = imagesOfBareRoom(4);
+    const std::vector<DepthImage> images = markedImages(4);
     expectAgrees(coverOf(images), images);
 }
 
@@ -147,7 +157,7 @@ TEST(Cover, FacesOfOneScanLeaveNoSeamBetweenThem) {
 }
 
 TEST(Cover, IsTheSameOnAnyNumberOfThreads) {
-    const std::vector<DepthImage> images = imagesOfBareRoom(3);
+    const std::vector<DepthImage> images = markedImages(3);
     const Coverage many = coverOf(images);
     const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
     EXPECT_EQ(coverOf(images), many);
@@ -163,7 +173,7 @@ TEST(Cover, FarFromTheOriginItIsTheSame) {
 }
 
 TEST(Cover, WhatWouldTakeTooMuchIsKeptCoarser) {
-    ImageStore store(imagesOfBareRoom(3));
+    ImageStore store(markedImages(3));
     CoverFigures fine, coarse;
     cover(store, {}, fine);
     CoverOptions options;
@@ -171,7 +181,7 @@ TEST(Cover, WhatWouldTakeTooMuchIsKeptCoarser) {
     cover(store, options, coarse);
     EXPECT_LE(coarse.nodes, options.maxNodes);
     EXPECT_LT(coarse.cellsPerSample, fine.cellsPerSample);
-    EXPECT_NEAR(coarse.unseenCubicMetres, fine.unseenCubicMetres, 0.05 * fine.unseenCubicMetres);
+    EXPECT_NEAR(coarse.unseenCubicMetres, fine.unseenCubicMetres, 0.1 * fine.unseenCubicMetres);
 }
 
 TEST(Cover, NothingAtAllIsUnseen) {
