@@ -25,6 +25,7 @@ revisit_test(revisit_unseen_tests LABELS gpu TIMEOUT 300
     LINKS revisit_render_scenes scene_project scene_refine TBB::tbb
     SOURCES
         render/test_device.cpp
+        render/unseen_test.cpp
         render/unseen_truth_test.cpp)
 
 revisit_shader(bare_scatter.comp kBareScatterCode ${CMAKE_CURRENT_SOURCE_DIR}/bench/shaders)
