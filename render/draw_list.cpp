@@ -19,17 +19,28 @@ constexpr std::size_t kDrawsPerTask = 512;
 constexpr double kAnywhere = std::numeric_limits<double>::infinity();
 
 std::uint32_t itemsOf(const ResidentTile& tile, Warp warp) {
-    return warp == Warp::points ? tile.pointCount : tile.quadCount;
+    return warp == Warp::mesh ? tile.quadCount : tile.pointCount;
 }
 
 uint classOf(const ResidentTile& tile) {
     return tile.middle.tier == scene::Tier::guess ? kClassFilled : kClassSeen;
 }
 
+scene::SampleBox boxOf(const TileBounds& bounds, std::uint32_t i) {
+    return {{bounds.xMin[i], bounds.yMin[i], bounds.dMin[i]}, {bounds.xMax[i], bounds.yMax[i], bounds.dMax[i]}};
+}
+
+/// What the mark's footprint is for the warp: the side of a square, a splat's greatest radius, or 1.
 std::uint32_t footprintOf(const glm::dmat4& c, const TileBounds& bounds, std::uint32_t i, const Quality& quality) {
-    const scene::SampleBox box{{bounds.xMin[i], bounds.yMin[i], bounds.dMin[i]},
-                               {bounds.xMax[i], bounds.yMax[i], bounds.dMax[i]}};
-    return static_cast<std::uint32_t>(scene::footprintOf(c, box, quality.footprintScale, quality.maxFootprint));
+    switch (quality.warp) {
+    case Warp::points:
+        return static_cast<std::uint32_t>(
+            scene::footprintOf(c, boxOf(bounds, i), quality.footprintScale, quality.maxFootprint));
+    case Warp::splats:
+        return static_cast<std::uint32_t>(quality.maxSplat);
+    default:
+        return 1;
+    }
 }
 
 } // namespace
@@ -72,7 +83,10 @@ void buildDrawList(std::span<const ResidentTile> tiles, const TileBounds& bounds
             if (!level) continue;
             const std::uint32_t place = piece.first + list.counts[p]++;
             list.numbers[place] = number;
-            list.levels[place] = static_cast<std::uint8_t>(*level);
+            const bool isByArea = quality.preference.areaLevels > 0;
+            const double area =
+                isByArea ? scene::sampleAreaInEye(eyeImagesFromSources[tile.image], boxOf(bounds, number)) : 0;
+            list.levels[place] = static_cast<std::uint8_t>(scene::withArea(*level, area, quality.preference));
         }
     });
 
@@ -101,8 +115,10 @@ void buildDrawList(std::span<const ResidentTile> tiles, const TileBounds& bounds
             const int level = list.levels[i];
             TileDraw draw = tileDrawOf(c, tile, level);
             draw.span.z = itemsOf(tile, quality.warp);
-            draw.span.y = quality.warp == Warp::points ? tile.firstVertex : tile.firstQuad;
-            const std::uint32_t footprint = quality.warp == Warp::points ? footprintOf(c, bounds, number, quality) : 1;
+            draw.span.y = quality.warp == Warp::mesh ? tile.firstQuad : tile.firstVertex;
+            if (quality.warp == Warp::splats)
+                draw.span.x = glm::floatBitsToUint(static_cast<float>(quality.splatScale * scene::splatScaleOf(c)));
+            const std::uint32_t footprint = footprintOf(c, bounds, number, quality);
             draw.span.w = packMark(static_cast<uint>(level), classOf(tile), tile.placeBits, footprint);
             draws[i] = draw;
         }

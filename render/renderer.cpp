@@ -13,7 +13,9 @@ namespace {
 
 /// How far outside the image a sample may stand and still touch it.
 double marginOf(const Quality& quality) {
-    const double margin = quality.warp == Warp::points ? 0.5 * quality.maxFootprint + 1.0 : 1.0;
+    const double margin = quality.warp == Warp::points   ? 0.5 * quality.maxFootprint + 1.0
+                          : quality.warp == Warp::splats ? quality.maxSplat + 1.0
+                                                         : 1.0;
     return quality.isBlended ? std::max(margin, static_cast<double>(quality.blend.maxRadius) + 1.0) : margin;
 }
 
@@ -42,7 +44,8 @@ Renderer::Renderer(const Device& device, const GpuScene& scene, int width, int h
                    const GpuCoverage* coverage)
     : device_(device), scene_(scene), width_(width), height_(height),
       eyeLayout_(makeEyeLayout(device)), warps_{makeWarpPass(device, Warp::points, scene.pageLayout(), eyeLayout_),
-                                                makeWarpPass(device, Warp::mesh, scene.pageLayout(), eyeLayout_)},
+                                                makeWarpPass(device, Warp::mesh, scene.pageLayout(), eyeLayout_),
+                                                makeWarpPass(device, Warp::splats, scene.pageLayout(), eyeLayout_)},
       blend_(makeBlendPass(device, scene.pageLayout(), eyeLayout_)),
       resolve_(makeComputePipeline(device, kResolveCode, std::array<VkDescriptorSetLayout, 1>{eyeLayout_},
                                    sizeof(ResolveConstants), std::array{resolveWorkgroupSize(device)})),
@@ -69,6 +72,7 @@ FrameStats Renderer::draw(std::span<const scene::View> views, const Quality& qua
     }
 
     chooseResolution(quality);
+    makeRoomToBlend(quality);
     tbb::parallel_for(std::size_t{0}, eyes_.size(), [&](std::size_t i) {
         const int index = static_cast<int>(i);
         prepare(eyes_[i], views[i], quality, slot, index);
@@ -99,6 +103,19 @@ FrameStats Renderer::draw(std::span<const scene::View> views, const Quality& qua
     return stats;
 }
 
+void Renderer::makeRoomToBlend(const Quality& quality) {
+    if (!quality.isBlended) return;
+    for (Eye& eye : eyes_) {
+        const std::size_t room = static_cast<std::size_t>(std::max(eye.warpWidth, width_)) *
+                                 static_cast<std::size_t>(std::max(eye.warpHeight, height_));
+        if (eye.blend && eye.blend->pixels >= room) continue;
+        for (std::size_t slot = 0; slot < kFramesInFlight; ++slot)
+            streams_.wait(slot); // the one that goes may be in use
+        eye.blend.reset();
+        eye.blend = makeBlendTarget(device_, blend_, room, scene_.tiles().size());
+    }
+}
+
 void Renderer::chooseResolution(const Quality& quality) {
     assert(quality.resolutionScale >= kMinResolutionScale && quality.resolutionScale <= kMaxResolutionScale);
     const int width = scaledSide(width_, quality.resolutionScale),
@@ -109,12 +126,6 @@ void Renderer::chooseResolution(const Quality& quality) {
     const bool isScaled = width != width_ || height != height_;
     for (Eye& eye : eyes_) {
         eye.isScaled = isScaled, eye.warpWidth = width, eye.warpHeight = height;
-        if (quality.isBlended && (!eye.blend || eye.blend->pixels < room)) {
-            for (std::size_t slot = 0; slot < kFramesInFlight; ++slot)
-                streams_.wait(slot); // the one that goes may be in use
-            eye.blend.reset();
-            eye.blend = makeBlendTarget(device_, blend_, room, scene_.tiles().size());
-        }
         if (!isScaled || (eye.scaled && eye.scaled->pixels >= room)) continue;
         for (std::size_t slot = 0; slot < kFramesInFlight; ++slot)
             streams_.wait(slot); // the one that goes may be in use

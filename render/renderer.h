@@ -99,6 +99,7 @@ class Renderer {
         std::array<OverlayBuffers, kFramesInFlight> overlayBuffers{}; ///< made when first wanted
     };
     void chooseResolution(const Quality& quality);
+    void makeRoomToBlend(const Quality& quality);
     void prepare(Eye& eye, const scene::View& view, const Quality& quality, std::size_t slot, int index);
     void prepareOverlay(Eye& eye, const scene::View& view, const Overlay& overlay, std::size_t slot, int index);
     void recordCommands(Eye& eye, const scene::View& view, const Quality& quality, const EyeOutput& output,
@@ -111,7 +112,7 @@ class Renderer {
     const GpuScene& scene_;
     int width_, height_;
     DescriptorSetLayout eyeLayout_;
-    std::array<WarpPass, 2> warps_; ///< by Warp
+    std::array<WarpPass, 3> warps_; ///< by Warp
     BlendPass blend_;
     ComputePipeline resolve_;
     RescalePass rescale_;

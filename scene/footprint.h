@@ -22,6 +22,16 @@ SampleBox boxOf(const Tile& tile, const Camera& camera);
 /// reaches behind the eye.
 double sampleWidthInEye(const glm::dmat4& eyeImageFromSourceImage, const SampleBox& box);
 
+/// Square pixels that a source pixel covers in the eye's image at the middle of the box: the determinant of the warp's
+/// Jacobian at constant disparity. Infinite behind the eye.
+double sampleAreaInEye(const glm::dmat4& eyeImageFromSourceImage, const SampleBox& box);
+
+/// Radius, in pixels times w, of the circles that close the holes between samples, for all of an image: divided by a
+/// sample's w it is its radius. Nyland et al. 1999, section 5.4, take the cube root of the determinant of C's 3 x 3
+/// principal submatrix (the viewport's scale is in ours) over w. We take the square root: submatrix and viewport scale
+/// two axes of the three, and so it is right where camera and eye differ in focal length, too.
+double splatScaleOf(const glm::dmat4& eyeImageFromSourceImage);
+
 /// Side of the square of pixels for the samples of a box: scale times their width, rounded up, from 1 to maxFootprint.
 int footprintOf(const glm::dmat4& eyeImageFromSourceImage, const SampleBox& box, double scale, int maxFootprint);
 

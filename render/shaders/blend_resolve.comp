@@ -3,6 +3,7 @@
 #extension GL_GOOGLE_include_directive : require
 
 #include "render/shaders/shared/blend.h"
+#include "render/shaders/shared/hole_fill.h"
 
 layout(local_size_x_id = 0) in;
 

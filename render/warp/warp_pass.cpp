@@ -4,6 +4,7 @@
 #include "render/gpu_scene.h"
 #include "spirv/warp_mesh.comp.h"
 #include "spirv/warp_points.comp.h"
+#include "spirv/warp_splats.comp.h"
 
 #include <algorithm>
 #include <array>
@@ -23,6 +24,8 @@ WarpRow rowOf(const Device& device, Warp warp) {
     switch (warp) {
     case Warp::mesh:
         return {kWarpMeshCode, device.isProcessor() ? vectorWidth : 64};
+    case Warp::splats:
+        return {kWarpSplatsCode, device.isProcessor() ? vectorWidth : 128};
     default:
         return {kWarpPointsCode, device.isProcessor() ? vectorWidth : 128};
     }

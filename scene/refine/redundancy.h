@@ -25,7 +25,7 @@ struct RedundancyOptions {
     /// Of a tile's surfaces so many, as a share, must be wanted as directional samples; then all of them are kept, else
     /// none. Patches with holes cost more to draw than they show, cannot become facets, and the base has their surface,
     /// too.
-    float minPatchShare = 0.4f;
+    float minPatchShare = 0.25f;
     int tileSize = kDefaultTileSize;
     ComparisonOptions comparison;
 };

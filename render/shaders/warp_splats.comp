@@ -1,0 +1,39 @@
+#version 460
+// Every kept sample of a tile is a quadratic splat. One workgroup draws one tile; its invocations take the samples in
+// turns.
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
+#extension GL_EXT_shader_atomic_int64 : require
+
+#include "render/shaders/shared/splat.h"
+#include "render/shaders/shared/z_key.h"
+
+layout(local_size_x_id = 0) in;
+
+layout(set = 0, binding = 0) uniform usamplerBuffer vertices;
+layout(std430, set = 1, binding = 0) readonly buffer Draws { TileDraw draws[]; };
+layout(std430, set = 1, binding = 1) buffer ZBuffer { uint64_t zBuffer[]; };
+layout(push_constant) uniform Constants { WarpConstants constants; };
+
+void main()
+{
+    TileDraw draw = draws[constants.firstDraw + gl_WorkGroupID.x];
+    uint levelAndClass = levelAndClassOf(draw);
+    vec2 size = vec2(constants.width, constants.height);
+    for (uint i = gl_LocalInvocationID.x; i < draw.span.z; i += gl_WorkGroupSize.x) {
+        uvec2 vertex = texelFetch(vertices, int(draw.span.y + i)).xy;
+        vec4 h = warpSample(draw, vertex.x);
+        if (!isBeforeEye(h)) continue;
+        vec3 seen = project(h);
+        float radius = splatRadiusOf(draw, h);
+        precise float perRadius2 = 1.0f / (radius * radius);
+        ivec2 columns = touchedBy(seen.x, radius, size.x), rows = touchedBy(seen.y, radius, size.y);
+        for (int y = rows.x; y < rows.y; ++y)
+            for (int x = columns.x; x < columns.y; ++x) {
+                float disparity = splatDisparity(seen.z, vec2(x, y) + 0.5f - seen.xy, perRadius2);
+                if (disparity < 0.0f) continue;
+                atomicMax(zBuffer[y * constants.width + x],
+                          packUint2x32(packKey(disparity, vertex.y, levelAndClass)));
+            }
+    }
+}
