@@ -30,17 +30,9 @@ scene::SampleBox boxOf(const TileBounds& bounds, std::uint32_t i) {
     return {{bounds.xMin[i], bounds.yMin[i], bounds.dMin[i]}, {bounds.xMax[i], bounds.yMax[i], bounds.dMax[i]}};
 }
 
-/// What the mark's footprint is for the warp: the side of a square, a splat's greatest radius, or 1.
 std::uint32_t footprintOf(const glm::dmat4& c, const TileBounds& bounds, std::uint32_t i, const Quality& quality) {
-    switch (quality.warp) {
-    case Warp::points:
-        return static_cast<std::uint32_t>(
-            scene::footprintOf(c, boxOf(bounds, i), quality.footprintScale, quality.maxFootprint));
-    case Warp::splats:
-        return static_cast<std::uint32_t>(quality.maxSplat);
-    default:
-        return 1;
-    }
+    return static_cast<std::uint32_t>(
+        scene::footprintOf(c, boxOf(bounds, i), quality.footprintScale, quality.maxFootprint));
 }
 
 } // namespace
@@ -117,8 +109,9 @@ void buildDrawList(std::span<const ResidentTile> tiles, const TileBounds& bounds
             draw.span.z = itemsOf(tile, quality.warp);
             draw.span.y = quality.warp == Warp::mesh ? tile.firstQuad : tile.firstVertex;
             if (quality.warp == Warp::splats)
-                draw.span.x = glm::floatBitsToUint(static_cast<float>(quality.splatScale * scene::splatScaleOf(c)));
-            const std::uint32_t footprint = footprintOf(c, bounds, number, quality);
+                draw.span.x = glm::floatBitsToUint(
+                    scene::splatRadiusOf(c, boxOf(bounds, number), quality.splatScale, quality.maxSplat));
+            const std::uint32_t footprint = quality.warp == Warp::points ? footprintOf(c, bounds, number, quality) : 1;
             draw.span.w = packMark(static_cast<uint>(level), classOf(tile), tile.placeBits, footprint);
             draws[i] = draw;
         }

@@ -40,10 +40,18 @@ double sampleAreaInEye(const glm::dmat4& c, const SampleBox& box) {
     return std::abs((cx.x - u * cx.z) * (cy.y - v * cy.z) - (cx.y - v * cx.z) * (cy.x - u * cy.z)) / (h.z * h.z);
 }
 
-double splatScaleOf(const glm::dmat4& c) {
+float splatRadiusOf(const glm::dmat4& c, const SampleBox& box, double scale, int maxRadius) {
     // Circles meet at the corners of a square of neighbours, half its diagonal away.
     constexpr double kHalfDiagonal = 0.7071067811865476;
-    return kHalfDiagonal * std::sqrt(std::abs(glm::determinant(glm::dmat3(c))));
+    // w is affine in (x, y, disparity): at one corner it is least.
+    const glm::dvec3 perSample(c[0].z, c[1].z, c[3].z);
+    double w = c[2].z;
+    for (int axis = 0; axis < 3; ++axis)
+        w += std::min(perSample[axis] * box.least[axis], perSample[axis] * box.most[axis]);
+    const auto most = static_cast<double>(maxRadius);
+    const double spacing = scale * std::sqrt(std::abs(glm::determinant(glm::dmat3(c))));
+    const double radius = spacing < w * most ? kHalfDiagonal * spacing / w : most;
+    return std::clamp(static_cast<float>(radius), kLeastSplat, std::max(static_cast<float>(most), kLeastSplat));
 }
 
 int footprintOf(const glm::dmat4& c, const SampleBox& box, double scale, int maxFootprint) {

@@ -13,10 +13,8 @@ namespace {
 /// Share of its disparity that a splat loses from centre to rim: more than neighbouring samples of a slanted surface
 /// differ by, and less than surfaces that are to be told apart.
 constexpr float kFalloff = 0.01f;
-/// Every sample reaches the centre of a pixel.
-constexpr float kLeastRadius = 0.70710678f;
 
-RowRange drawTileSplats(const TileBlock& block, const Tile& tile, const TileWarp& warp, float scale, float maxRadius,
+RowRange drawTileSplats(const TileBlock& block, const Tile& tile, const TileWarp& warp, float radius,
                         const ImageView<std::uint64_t>& zBuffer) {
     const auto width = static_cast<float>(zBuffer.width), height = static_cast<float>(zBuffer.height);
     const auto firstOf = [](float position, float reach, float most) {
@@ -25,12 +23,11 @@ RowRange drawTileSplats(const TileBlock& block, const Tile& tile, const TileWarp
     const auto endOf = [](float position, float reach, float most) {
         return static_cast<int>(std::clamp(std::floor(position + reach + 0.5f), 0.f, most));
     };
+    const float perRadius2 = 1.f / (radius * radius);
     RowRange rows{zBuffer.height, 0};
     for (const TileVertex& vertex : block.vertices.subspan(tile.firstVertex, tile.pointCount)) {
         const Projected p = projectVertex(warp, vertex.place);
         if (p.disparity < 0) continue;
-        const float radius = std::clamp(scale * p.perW, kLeastRadius, maxRadius);
-        const float perRadius2 = 1.f / (radius * radius);
         const int y0 = firstOf(p.v, radius, height), y1 = endOf(p.v, radius, height);
         const int x0 = firstOf(p.u, radius, width), x1 = endOf(p.u, radius, width);
         for (int y = y0; y < y1; ++y)
@@ -53,8 +50,9 @@ void warpSplats(std::span<const TileBlock> blocks, const View& eye, const WarpOp
         blocks, eye, options.preference, &Tile::pointCount,
         [&](const TileBlock& block, const Tile& tile, const glm::dmat4& c, const TileWarp& warp,
             ImageView<std::uint64_t> into) {
-            const auto scale = static_cast<float>(static_cast<double>(options.splatScale) * splatScaleOf(c));
-            return drawTileSplats(block, tile, warp, scale, static_cast<float>(options.maxSplat), into);
+            const float radius =
+                splatRadiusOf(c, boxOf(tile, block.camera), static_cast<double>(options.splatScale), options.maxSplat);
+            return drawTileSplats(block, tile, warp, radius, into);
         },
         zBuffer);
 }

@@ -19,19 +19,25 @@ void main()
 {
     TileDraw draw = draws[constants.firstDraw + gl_WorkGroupID.x];
     uint levelAndClass = levelAndClassOf(draw);
-    vec2 size = vec2(constants.width, constants.height);
+    // Alike for all samples of the tile: no invocation waits for another's wider circle.
+    float radius = splatRadiusOf(draw);
+    int side = splatSideOf(radius);
+    precise float perRadius2 = 1.0f / (radius * radius);
+    float width = float(constants.width), height = float(constants.height);
     for (uint i = gl_LocalInvocationID.x; i < draw.span.z; i += gl_WorkGroupSize.x) {
         uvec2 vertex = texelFetch(vertices, int(draw.span.y + i)).xy;
         vec4 h = warpSample(draw, vertex.x);
         if (!isBeforeEye(h)) continue;
         vec3 seen = project(h);
-        float radius = splatRadiusOf(draw, h);
-        precise float perRadius2 = 1.0f / (radius * radius);
-        ivec2 columns = touchedBy(seen.x, radius, size.x), rows = touchedBy(seen.y, radius, size.y);
-        for (int y = rows.x; y < rows.y; ++y)
-            for (int x = columns.x; x < columns.y; ++x) {
+        float left = firstOfSplat(seen.x, radius), top = firstOfSplat(seen.y, radius);
+        // Compared as floats: far outside, the conversion to int is undefined.
+        if (!(left > -float(side) && left < width && top > -float(side) && top < height)) continue;
+        int x0 = int(left), y0 = int(top);
+        for (int y = y0; y < y0 + side; ++y)
+            for (int x = x0; x < x0 + side; ++x) {
                 float disparity = splatDisparity(seen.z, vec2(x, y) + 0.5f - seen.xy, perRadius2);
-                if (disparity < 0.0f) continue;
+                bool isInside = uint(x) < uint(constants.width) && uint(y) < uint(constants.height);
+                if (disparity < 0.0f || !isInside) continue;
                 atomicMax(zBuffer[y * constants.width + x],
                           packUint2x32(packKey(disparity, vertex.y, levelAndClass)));
             }

@@ -90,6 +90,7 @@ void rateOfWarp(benchmark::State& state, const Quality& quality) {
 }
 BENCHMARK_CAPTURE(rateOfWarp, points1, Quality{.maxFootprint = 1})->Iterations(40)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(rateOfWarp, points4, Quality{.maxFootprint = 4})->Iterations(40)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(rateOfWarp, splats, Quality{.warp = Warp::splats})->Iterations(40)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(rateOfWarp, mesh, Quality{.warp = Warp::mesh})->Iterations(40)->Unit(benchmark::kMillisecond);
 
 /// What a walker gets: two eyes, frames overlapping, resolved pictures.
@@ -114,6 +115,7 @@ void stereoFrames(benchmark::State& state, const Quality& quality) {
 }
 BENCHMARK_CAPTURE(stereoFrames, points1, Quality{.maxFootprint = 1})->Iterations(10)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(stereoFrames, points4, Quality{.maxFootprint = 4})->Iterations(10)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(stereoFrames, splats, Quality{.warp = Warp::splats})->Iterations(10)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(stereoFrames, mesh, Quality{.warp = Warp::mesh})->Iterations(10)->Unit(benchmark::kMillisecond);
 
 /// A test of one tile after the other, as one writes it without vectors.

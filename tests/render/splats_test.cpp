@@ -27,17 +27,40 @@ TEST(SplatMath, TheRadiusIsThePapersWhereFocalLengthsAreAlike) {
     const scene::Camera camera = cameraOf(300, 200, 1.1);
     const scene::View eye{camera, poseAt({0.2, 0.1, 0.7}, 0.3, 0.1)};
     const glm::dmat4 c = scene::eyeImageFromSourceImage(eye, camera, poseAt({}, 0, 0));
-    const double cubeRoot = std::cbrt(std::abs(glm::determinant(glm::dmat3(c))));
-    EXPECT_NEAR(scene::splatScaleOf(c) / (std::sqrt(0.5) * cubeRoot), 1, 1e-9);
+    const glm::dvec3 sample(140, 90, 0.5);
+    const glm::dvec4 h = c * glm::dvec4(sample.x, sample.y, 1, sample.z);
+    const double papers = std::sqrt(0.5) * std::cbrt(std::abs(glm::determinant(glm::dmat3(c)))) / h.z;
+    ASSERT_GT(papers, 0.8);
+    EXPECT_NEAR(static_cast<double>(scene::splatRadiusOf(c, {sample, sample}, 1, 100)) / papers, 1, 1e-6);
 }
 
-TEST(SplatMath, TheRadiusIsBounded) {
-    TileDraw draw{};
-    draw.span.x = floatBitsToUint(10.0f);
-    draw.span.w = packMark(0, kClassSeen, 6, 4);
-    EXPECT_EQ(splatRadiusOf(draw, vec4(0, 0, 5.0f, 1)), 2.0f);
-    EXPECT_EQ(splatRadiusOf(draw, vec4(0, 0, 1.0f, 1)), 4.0f);
-    EXPECT_EQ(splatRadiusOf(draw, vec4(0, 0, 1000.0f, 1)), kLeastSplat);
+TEST(SplatMath, TheRadiusGrowsWithTheFocalLengthWithinItsBounds) {
+    const scene::Camera camera = cameraOf(300, 200, 1.1);
+    scene::Camera longer = camera;
+    longer.fx *= 5, longer.fy *= 5;
+    const glm::dvec3 sample(140, 90, 0.5);
+    const scene::SampleBox box{sample, sample};
+    const glm::dmat4 same = scene::eyeImageFromSourceImage({camera, {}}, camera, {});
+    const glm::dmat4 fiveTimes = scene::eyeImageFromSourceImage({longer, {}}, camera, {});
+    EXPECT_EQ(scene::splatRadiusOf(same, box, 1, 9), scene::kLeastSplat);
+    EXPECT_NEAR(scene::splatRadiusOf(fiveTimes, box, 1, 9), 5 * scene::kLeastSplat, 1e-5f);
+    EXPECT_EQ(scene::splatRadiusOf(fiveTimes, box, 1, 2), 2.0f);
+    EXPECT_EQ(scene::splatRadiusOf(fiveTimes, box, 0.01, 9), scene::kLeastSplat);
+    const glm::dmat4 behind = scene::eyeImageFromSourceImage({camera, poseAt({0, 0, 3}, 0, 0)}, camera, {});
+    EXPECT_EQ(scene::splatRadiusOf(behind, box, 1, 9), 9.0f);
+}
+
+TEST(SplatMath, EveryPixelOfASplatIsAmongThoseItsSideTakes) {
+    std::mt19937 random(3);
+    std::uniform_real_distribution<float> place(0, 20), size(scene::kLeastSplat, 6);
+    for (int i = 0; i < 5000; ++i) {
+        const float position = place(random), radius = size(random);
+        const auto first = static_cast<int>(firstOfSplat(position, radius));
+        const int end = first + splatSideOf(radius);
+        for (int x = -10; x < 30; ++x)
+            ASSERT_TRUE(std::abs(static_cast<float>(x) + 0.5f - position) > radius - 1e-5f || (x >= first && x < end))
+                << x << " of " << position << " +- " << radius;
+    }
 }
 
 TEST_F(SplatsTest, PicturesAreThoseOfTheProcessor) {

@@ -10,14 +10,18 @@ SHARED_BEGIN
 /// Share of its disparity that a splat loses from centre to rim: more than neighbouring samples of a slanted surface
 /// differ by, and less than surfaces that are to be told apart.
 SHARED_CONSTANT float kSplatFalloff = 0.01f;
-/// Every sample reaches the centre of a pixel.
-SHARED_CONSTANT float kLeastSplat = 0.70710678f;
+/// Radius in pixels of all splats of a tile: the bits of span.x.
+SHARED_FUNCTION float splatRadiusOf(TileDraw draw) {
+    return uintBitsToFloat(draw.span.x);
+}
 
-/// Radius in pixels of a sample, from what is in the draw: radius times w as the bits of span.x, bound as footprint.
-SHARED_FUNCTION float splatRadiusOf(TileDraw draw, vec4 h) {
-    PRECISE float inverse = 1.0f / h.z;
-    PRECISE float radius = uintBitsToFloat(draw.span.x) * inverse;
-    return clamp(radius, kLeastSplat, float(footprintOf(draw)));
+/// Columns, or rows, that a splat may touch: as many from the first on, whatever its place in its pixel.
+SHARED_FUNCTION int splatSideOf(float radius) {
+    return int(floor(2.0f * radius)) + 1;
+}
+SHARED_FUNCTION float firstOfSplat(float position, float radius) {
+    PRECISE float first = ceil(position - radius - 0.5f);
+    return first;
 }
 
 /// The disparity of a splat at an offset from its centre, pixels; negative outside of it. perRadius2: 1 / radius^2.
