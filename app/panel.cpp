@@ -56,6 +56,8 @@ void drawKnobs(PanelState& state, Knobs& knobs) {
     ImGui::RadioButton("points", &warp, static_cast<int>(render::Warp::points));
     ImGui::SameLine();
     ImGui::RadioButton("mesh", &warp, static_cast<int>(render::Warp::mesh));
+    ImGui::SameLine();
+    ImGui::RadioButton("splats", &warp, static_cast<int>(render::Warp::splats));
     knobs.quality.warp = static_cast<render::Warp>(warp);
     ImGui::SameLine();
     ImGui::Checkbox("blended", &knobs.quality.isBlended);

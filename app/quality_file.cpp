@@ -19,11 +19,16 @@ using render::Quality;
 struct WarpName {
     const char* name;
     render::Warp warp;
-    bool isBlended;
+    bool isBlended = false;
+    bool isByConfidence = false;
 };
-constexpr std::array kWarpNames{
-    WarpName{"points", render::Warp::points, false}, WarpName{"mesh", render::Warp::mesh, false},
-    WarpName{"adaptive", render::Warp::adaptive, false}, WarpName{"blended", render::Warp::mesh, true}};
+constexpr std::array kWarpNames{WarpName{"points", render::Warp::points}, WarpName{"mesh", render::Warp::mesh},
+                                WarpName{"adaptive", render::Warp::adaptive}, WarpName{"splats", render::Warp::splats},
+                                WarpName{"confidence", render::Warp::mesh, false, true},
+                                WarpName{"blended", render::Warp::mesh, true}};
+
+/// Order levels for each square pixel of a sample's projected area, where warps are told apart by name.
+constexpr float kConfidenceLevels = 2;
 
 /// As few digits as tell the number apart from its neighbours: 0.07 and not 0.0700000003.
 template <class T>
@@ -99,14 +104,19 @@ Knob warpKnob() {
         knob.names.emplace_back(row.name), knob.tried.emplace_back(row.name);
     knob.values = "one of " + listed(knob.names);
     knob.get = [](const Quality& q) -> json {
-        return std::find_if(kWarpNames.begin(), kWarpNames.end(),
-                            [&](const WarpName& row) { return row.warp == q.warp && row.isBlended == q.isBlended; })
-            ->name;
+        const bool isByConfidence = q.preference.areaLevels > 0;
+        const auto isIt = [&](const WarpName& row) {
+            return row.isBlended == q.isBlended && row.isByConfidence == isByConfidence && row.warp == q.warp;
+        };
+        const auto row = std::find_if(kWarpNames.begin(), kWarpNames.end(), isIt);
+        if (row != kWarpNames.end()) return row->name;
+        return q.isBlended ? "blended" : "confidence"; // of other warps than the mesh: there is no name
     };
     knob.set = [](Quality& q, const json& value) {
         for (const WarpName& row : kWarpNames)
             if (value == row.name) {
                 q.warp = row.warp, q.isBlended = row.isBlended;
+                q.preference.areaLevels = row.isByConfidence ? kConfidenceLevels : 0;
                 return true;
             }
         return false;

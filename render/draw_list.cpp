@@ -34,12 +34,12 @@ Warp warpOf(const ResidentTile& tile, Warp wanted) {
 
 std::uint32_t itemsOf(const ResidentTile& tile, Warp warp) {
     switch (warpOf(tile, warp)) {
-    case Warp::points:
-        return tile.pointCount;
     case Warp::mesh:
         return tile.quadCount;
-    default:
+    case Warp::adaptive:
         return tile.facetCount;
+    default:
+        return tile.pointCount;
     }
 }
 
@@ -47,10 +47,13 @@ uint classOf(const ResidentTile& tile) {
     return tile.middle.tier == scene::Tier::guess ? kClassFilled : kClassSeen;
 }
 
+scene::SampleBox boxOf(const TileBounds& bounds, std::uint32_t i) {
+    return {{bounds.xMin[i], bounds.yMin[i], bounds.dMin[i]}, {bounds.xMax[i], bounds.yMax[i], bounds.dMax[i]}};
+}
+
 std::uint32_t footprintOf(const glm::dmat4& c, const TileBounds& bounds, std::uint32_t i, const Quality& quality) {
-    const scene::SampleBox box{{bounds.xMin[i], bounds.yMin[i], bounds.dMin[i]},
-                               {bounds.xMax[i], bounds.yMax[i], bounds.dMax[i]}};
-    return static_cast<std::uint32_t>(scene::footprintOf(c, box, quality.footprintScale, quality.maxFootprint));
+    return static_cast<std::uint32_t>(
+        scene::footprintOf(c, boxOf(bounds, i), quality.footprintScale, quality.maxFootprint));
 }
 
 /// Whether coarser levels are asked for. The mesh is all of what was sampled.
@@ -146,8 +149,12 @@ void buildDrawList(std::span<const ResidentTile> tiles, const TileBounds& bounds
             if (isDetailed)
                 detail = detailOf(source.eyeImageFromSource, source, bounds, number, samplePixelsOf(source, tile));
             if (!detail) continue;
-            list.chosen[piece.first + list.counts[p]++] = {number, static_cast<std::uint32_t>(*level),
-                                                           warpOf(tile, quality.warp), *detail};
+            const bool isByArea = quality.preference.areaLevels > 0;
+            const double area =
+                isByArea ? scene::sampleAreaInEye(source.eyeImageFromSource, boxOf(bounds, number)) : 0;
+            list.chosen[piece.first + list.counts[p]++] = {
+                number, static_cast<std::uint32_t>(scene::withArea(*level, area, quality.preference)),
+                warpOf(tile, quality.warp), *detail};
         }
     });
 
@@ -156,7 +163,7 @@ void buildDrawList(std::span<const ResidentTile> tiles, const TileBounds& bounds
     list.order.clear();
     list.items = 0;
     for (const bool isFar : {false, true})
-        for (const Warp warp : {Warp::adaptive, Warp::mesh, Warp::points})
+        for (const Warp warp : {Warp::adaptive, Warp::mesh, Warp::points, Warp::splats})
             for (std::size_t p = 0; p < pieces.size(); ++p)
                 for (std::uint32_t i = 0; i < list.counts[p]; ++i) {
                     const std::uint32_t place = pieces[p].first + i;
@@ -183,6 +190,10 @@ void buildDrawList(std::span<const ResidentTile> tiles, const TileBounds& bounds
             if (chosen.warp == Warp::points) {
                 draw.span.y = tile.firstVertex;
                 footprint = footprintOf(source.eyeImageFromSource, bounds, chosen.tile, quality);
+            } else if (chosen.warp == Warp::splats) {
+                draw.span.y = tile.firstVertex;
+                draw.span.x = glm::floatBitsToUint(scene::splatRadiusOf(
+                    source.eyeImageFromSource, boxOf(bounds, chosen.tile), quality.splatScale, quality.maxSplat));
             } else if (chosen.warp == Warp::mesh) {
                 draw.span.y = tile.firstQuad;
             } else {

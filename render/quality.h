@@ -8,9 +8,10 @@
 namespace render {
 
 enum class Warp {
-    points,  ///< each sample a square of pixels
-    mesh,    ///< two triangles in each square of four samples
-    adaptive ///< a textured facet wherever samples lie in a plane (scene/facets.h), squares elsewhere
+    points,   ///< each sample a square of pixels
+    mesh,     ///< two triangles in each square of four samples
+    adaptive, ///< a textured facet wherever samples lie in a plane (scene/facets.h), squares elsewhere
+    splats    ///< each sample a circle whose depth falls off from its centre
 };
 
 inline constexpr double kMinResolutionScale = 0.1, kMaxResolutionScale = 4;
@@ -25,6 +26,10 @@ struct Quality {
     /// Points: width of the square over what closes the holes between samples of one disparity. Above 1 closes the
     /// holes of surfaces that the eye sees more squarely than the camera did, and coarsens silhouettes.
     double footprintScale = 1.0;
+
+    /// Splats: greatest radius in pixels, and radius over what closes the holes between samples.
+    int maxSplat = 4;
+    double splatScale = 1.0;
 
     /// Which of several samples of one surface is shown; directional tiles are drawn only with it. As it stands here:
     /// the nearest in plain z order.

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include <glm/matrix.hpp>
+
 namespace scene {
 
 SampleBox boxOf(const Tile& tile, const Camera& camera) {
@@ -28,6 +30,28 @@ double sampleWidthInEye(const glm::dmat4& c, const SampleBox& box) {
                 widest = std::max(widest, std::max(across, down) / h.z);
             }
     return widest;
+}
+
+double sampleAreaInEye(const glm::dmat4& c, const SampleBox& box) {
+    const glm::dvec3 cx(c[0]), cy(c[1]), place = 0.5 * (box.least + box.most);
+    const glm::dvec3 h = place.x * cx + place.y * cy + glm::dvec3(c[2]) + place.z * glm::dvec3(c[3]);
+    if (!(h.z > 0)) return std::numeric_limits<double>::infinity();
+    const double u = h.x / h.z, v = h.y / h.z;
+    return std::abs((cx.x - u * cx.z) * (cy.y - v * cy.z) - (cx.y - v * cx.z) * (cy.x - u * cy.z)) / (h.z * h.z);
+}
+
+float splatRadiusOf(const glm::dmat4& c, const SampleBox& box, double scale, int maxRadius) {
+    // Circles meet at the corners of a square of neighbours, half its diagonal away.
+    constexpr double kHalfDiagonal = 0.7071067811865476;
+    // w is affine in (x, y, disparity): at one corner it is least.
+    const glm::dvec3 perSample(c[0].z, c[1].z, c[3].z);
+    double w = c[2].z;
+    for (int axis = 0; axis < 3; ++axis)
+        w += std::min(perSample[axis] * box.least[axis], perSample[axis] * box.most[axis]);
+    const auto most = static_cast<double>(maxRadius);
+    const double spacing = scale * std::sqrt(std::abs(glm::determinant(glm::dmat3(c))));
+    const double radius = spacing < w * most ? kHalfDiagonal * spacing / w : most;
+    return std::clamp(static_cast<float>(radius), kLeastSplat, std::max(static_cast<float>(most), kLeastSplat));
 }
 
 int footprintOf(const glm::dmat4& c, const SampleBox& box, double scale, int maxFootprint) {

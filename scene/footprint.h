@@ -22,6 +22,19 @@ SampleBox boxOf(const Tile& tile, const Camera& camera);
 /// reaches behind the eye.
 double sampleWidthInEye(const glm::dmat4& eyeImageFromSourceImage, const SampleBox& box);
 
+/// Square pixels that a source pixel covers in the eye's image at the middle of the box: the determinant of the warp's
+/// Jacobian at constant disparity. Infinite behind the eye.
+double sampleAreaInEye(const glm::dmat4& eyeImageFromSourceImage, const SampleBox& box);
+
+/// No splat is smaller, pixels: so every sample reaches the centre of a pixel.
+inline constexpr float kLeastSplat = 0.70710678f;
+
+/// Radius, pixels, of the circles that close the holes between the samples of a box, from kLeastSplat to maxRadius.
+/// Nyland et al. 1999, section 5.4: the cube root of the determinant of C's 3 x 3 principal submatrix (the viewport's
+/// scale is in ours) over a sample's w. We take the square root, since submatrix and viewport scale two axes of the
+/// three: so it is right where camera and eye differ in focal length, too; and the least w of the box, once for all.
+float splatRadiusOf(const glm::dmat4& eyeImageFromSourceImage, const SampleBox& box, double scale, int maxRadius);
+
 /// Side of the square of pixels for the samples of a box: scale times their width, rounded up, from 1 to maxFootprint.
 int footprintOf(const glm::dmat4& eyeImageFromSourceImage, const SampleBox& box, double scale, int maxFootprint);
 

@@ -38,12 +38,20 @@ std::optional<int> orderLevelOf(const TileMiddle& middle, const glm::dvec3& eyeF
     const double distance = glm::length(middle.rayInWorld - middle.disparity * eyeFromCamera);
     const double baseline = middle.disparity * glm::length(eyeFromCamera);
     if (baseline > static_cast<double>(options.nearBaseline) * distance) {
-        if (middle.tier == Tier::base) return kMaxOrderLevel;
+        // Far images are told apart by their area, too.
+        if (middle.tier == Tier::base) return kMaxOrderLevel - (options.areaLevels > 0 ? options.maxAreaLevels : 0);
         return std::nullopt;
     }
     const double share = distance > 0 ? baseline / (distance * static_cast<double>(options.nearBaseline)) : 0.0;
     const int behind = middle.tier == Tier::guess ? options.guessLevels : 0;
     return std::min(static_cast<int>(std::lround(std::min(share, 1.0) * options.nearLevels)) + behind, kMaxOrderLevel);
+}
+
+int withArea(int level, double areaInEye, const PreferenceOptions& options) {
+    if (options.areaLevels <= 0) return level;
+    const double levels =
+        std::min(static_cast<double>(options.areaLevels) * areaInEye, static_cast<double>(options.maxAreaLevels));
+    return std::min(level + static_cast<int>(std::lround(levels)), kMaxOrderLevel);
 }
 
 } // namespace scene

@@ -30,6 +30,11 @@ struct PreferenceOptions {
     /// order, base tiles alone.
     float nearBaseline = 0.07f;
     int nearLevels = 6; ///< order levels over which near cameras are told apart
+    /// Composition by confidence (Nyland et al. 1999, section 5.3): samples are pushed back by so many levels more for
+    /// each square pixel that one covers in the eye's image, so that of two scans of a surface the better sampled one
+    /// is shown. 0: not.
+    float areaLevels = 0;
+    int maxAreaLevels = 24; ///< at most
     int guessLevels =
         3; ///< guesses of range are pushed back by so many more: what was measured about there comes first
 };
@@ -48,6 +53,9 @@ TileMiddle middleOf(const Tile& tile, const Camera& camera, const Pose& worldFro
 /// it is not drawn.
 std::optional<int> orderLevelOf(const TileMiddle& middle, const glm::dvec3& eyeFromCamera,
                                 const PreferenceOptions& options);
+
+/// A level pushed back by what a sample's projected area (square pixels, scene/footprint.h) adds.
+int withArea(int level, double areaInEye, const PreferenceOptions& options);
 
 /// How far from the camera the tile's middle is, metres: infinite for the sky.
 double reachOf(const TileMiddle& middle);

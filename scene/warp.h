@@ -29,12 +29,15 @@ struct WarpOptions {
     PreferenceOptions preference;
     int maxFootprint = 1;       ///< points: pixels; 1: exactly one pixel a sample
     float footprintScale = 1.f; ///< points: times the width that closes holes, see scene/footprint.h
+    float splatScale = 1.f;     ///< splats: times the radius that closes holes
+    int maxSplat = 4;           ///< splats: greatest radius, pixels
 };
 
-/// Warps the blocks' kept samples, resp. their mesh, into the eye's z-buffer (which has the eye's size). Parallel; the
-/// result does not depend on the number of threads.
+/// Warps the blocks' kept samples, their mesh, resp. quadratic splats, into the eye's z-buffer (which has the eye's
+/// size). Parallel; the result does not depend on the number of threads.
 void warpPoints(std::span<const TileBlock> blocks, const View& eye, const WarpOptions& options, ZBuffer& zBuffer);
 void warpMesh(std::span<const TileBlock> blocks, const View& eye, const WarpOptions& options, ZBuffer& zBuffer);
+void warpSplats(std::span<const TileBlock> blocks, const View& eye, const WarpOptions& options, ZBuffer& zBuffer);
 
 EyeImage resolve(const ZBuffer& zBuffer);
 

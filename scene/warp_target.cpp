@@ -1,5 +1,6 @@
 #include "scene/warp_target.h"
 
+#include "scene/footprint.h"
 #include "scene/warp_points.h"
 
 #include <algorithm>
@@ -72,7 +73,8 @@ void drawTiles(std::span<const TileBlock> blocks, const View& eye, const Prefere
         const auto level = orderLevelOf(tile, block.camera, block.worldFromCamera, eye, preference);
         if (!level) return {};
         const glm::dmat4& c = matrices[item.block];
-        return drawTile(block, tile, c, tileWarpOf(tile, c, *level), into);
+        const double area = preference.areaLevels > 0 ? sampleAreaInEye(c, boxOf(tile, block.camera)) : 0;
+        return drawTile(block, tile, c, tileWarpOf(tile, c, withArea(*level, area, preference)), into);
     };
 
     const int threads = threadsFor(vertices, zBuffer.size());

@@ -5,6 +5,7 @@
 #include "spirv/warp_facets.comp.h"
 #include "spirv/warp_mesh.comp.h"
 #include "spirv/warp_points.comp.h"
+#include "spirv/warp_splats.comp.h"
 
 #include <algorithm>
 #include <array>
@@ -26,6 +27,8 @@ WarpRow rowOf(const Device& device, Warp warp) {
         return {kWarpFacetsCode, device.isProcessor() ? vectorWidth : 64};
     case Warp::mesh:
         return {kWarpMeshCode, device.isProcessor() ? vectorWidth : 64};
+    case Warp::splats:
+        return {kWarpSplatsCode, device.isProcessor() ? vectorWidth : 128};
     default:
         return {kWarpPointsCode, device.isProcessor() ? vectorWidth : 128};
     }

@@ -17,7 +17,7 @@ class GpuScene;
 struct WarpPass {
     ComputePipeline pipeline;
 };
-using WarpPasses = std::array<WarpPass, 3>; ///< by Warp
+using WarpPasses = std::array<WarpPass, 4>; ///< by Warp
 
 WarpPass makeWarpPass(const Device& device, Warp warp, VkDescriptorSetLayout pageLayout,
                       VkDescriptorSetLayout eyeLayout);

@@ -90,6 +90,7 @@ void rateOfWarp(benchmark::State& state, const Quality& quality) {
 }
 BENCHMARK_CAPTURE(rateOfWarp, points1, Quality{.maxFootprint = 1})->Iterations(40)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(rateOfWarp, points4, Quality{.maxFootprint = 4})->Iterations(40)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(rateOfWarp, splats, Quality{.warp = Warp::splats})->Iterations(40)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(rateOfWarp, mesh, Quality{.warp = Warp::mesh})->Iterations(40)->Unit(benchmark::kMillisecond);
 
 /// What a walker gets: two eyes, frames overlapping, resolved pictures.
@@ -114,6 +115,7 @@ void stereoFrames(benchmark::State& state, const Quality& quality) {
 }
 BENCHMARK_CAPTURE(stereoFrames, points1, Quality{.maxFootprint = 1})->Iterations(10)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(stereoFrames, points4, Quality{.maxFootprint = 4})->Iterations(10)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(stereoFrames, splats, Quality{.warp = Warp::splats})->Iterations(10)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(stereoFrames, mesh, Quality{.warp = Warp::mesh})->Iterations(10)->Unit(benchmark::kMillisecond);
 
 /// A test of one tile after the other, as one writes it without vectors.
@@ -179,7 +181,7 @@ void eyesAtOnceAgainstInTurn(benchmark::State& state) {
     const GpuScene scene(benchDevice(), fine.blocks());
     const DescriptorSetLayout eyeLayout = makeEyeLayout(benchDevice());
     const auto passOf = [&](Warp warp) { return makeWarpPass(benchDevice(), warp, scene.pageLayout(), eyeLayout); };
-    const WarpPasses warps{passOf(Warp::points), passOf(Warp::mesh), passOf(Warp::adaptive)};
+    const WarpPasses warps{passOf(Warp::points), passOf(Warp::mesh), passOf(Warp::adaptive), passOf(Warp::splats)};
     CommandStreams streams(benchDevice(), 2);
     const auto [left, right] = scene::eyesOf(wideView().camera, wideView().worldFromEye, 0.063);
     const std::array views{left, right};

@@ -1,0 +1,50 @@
+#version 460
+// Every kept sample of a tile is a quadratic splat. One workgroup draws one tile; its invocations take the samples in
+// turns.
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
+#extension GL_EXT_shader_atomic_int64 : require
+
+#include "render/shaders/shared/detail.h"
+#include "render/shaders/shared/splat.h"
+#include "render/shaders/shared/z_key.h"
+
+layout(local_size_x_id = 0) in;
+
+layout(set = 0, binding = 0) uniform usamplerBuffer vertices;
+layout(std430, set = 1, binding = 0) readonly buffer Draws { TileDraw draws[]; };
+layout(std430, set = 1, binding = 1) buffer ZBuffer { uint64_t zBuffer[]; };
+layout(push_constant) uniform Constants { WarpConstants constants; };
+
+void main()
+{
+    TileDraw draw = draws[constants.firstDraw + gl_WorkGroupID.x];
+    uint levelAndClass = levelAndClassOf(draw);
+    // Alike for all samples of the tile: no invocation waits for another's wider circle.
+    float radius = splatRadiusOf(draw);
+    int side = splatSideOf(radius);
+    precise float perRadius2 = 1.0f / (radius * radius);
+    float width = float(constants.width), height = float(constants.height);
+    for (uint i = gl_LocalInvocationID.x; i < draw.span.z; i += gl_WorkGroupSize.x) {
+        uvec2 vertex = texelFetch(vertices, int(draw.span.y + i)).xy;
+        vec4 h = warpSample(draw, vertex.x);
+        if (!isBeforeEye(h)) continue;
+        if (draw.detail.x != 0.0f) {
+            uvec2 at = columnAndRowOf(draw, vertex.x);
+            if (!isOfDetail(draw, at.x, at.y, h.z)) continue;
+        }
+        vec3 seen = project(h);
+        float left = firstOfSplat(seen.x, radius), top = firstOfSplat(seen.y, radius);
+        // Compared as floats: far outside, the conversion to int is undefined.
+        if (!(left > -float(side) && left < width && top > -float(side) && top < height)) continue;
+        int x0 = int(left), y0 = int(top);
+        for (int y = y0; y < y0 + side; ++y)
+            for (int x = x0; x < x0 + side; ++x) {
+                float disparity = splatDisparity(seen.z, vec2(x, y) + 0.5f - seen.xy, perRadius2);
+                bool isInside = uint(x) < uint(constants.width) && uint(y) < uint(constants.height);
+                if (disparity < 0.0f || !isInside) continue;
+                atomicMax(zBuffer[y * constants.width + x],
+                          packUint2x32(packKey(disparity, vertex.y, levelAndClass)));
+            }
+    }
+}
