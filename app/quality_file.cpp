@@ -22,8 +22,10 @@ struct WarpName {
     bool isBlended = false;
     bool isByConfidence = false;
 };
-constexpr std::array kWarpNames{WarpName{"points", render::Warp::points}, WarpName{"mesh", render::Warp::mesh},
-                                WarpName{"adaptive", render::Warp::adaptive}, WarpName{"splats", render::Warp::splats},
+constexpr std::array kWarpNames{WarpName{"points", render::Warp::points},
+                                WarpName{"mesh", render::Warp::mesh},
+                                WarpName{"adaptive", render::Warp::adaptive},
+                                WarpName{"splats", render::Warp::splats},
                                 WarpName{"confidence", render::Warp::mesh, false, true},
                                 WarpName{"blended", render::Warp::mesh, true}};
 

@@ -150,8 +150,7 @@ void buildDrawList(std::span<const ResidentTile> tiles, const TileBounds& bounds
                 detail = detailOf(source.eyeImageFromSource, source, bounds, number, samplePixelsOf(source, tile));
             if (!detail) continue;
             const bool isByArea = quality.preference.areaLevels > 0;
-            const double area =
-                isByArea ? scene::sampleAreaInEye(source.eyeImageFromSource, boxOf(bounds, number)) : 0;
+            const double area = isByArea ? scene::sampleAreaInEye(source.eyeImageFromSource, boxOf(bounds, number)) : 0;
             list.chosen[piece.first + list.counts[p]++] = {
                 number, static_cast<std::uint32_t>(scene::withArea(*level, area, quality.preference)),
                 warpOf(tile, quality.warp), *detail};

@@ -29,8 +29,9 @@ struct CoverFigures {
     double unseenCubicMetres = 0, surfaceCubicMetres = 0, emptyCubicMetres = 0; ///< within the box of all samples
 };
 
-/// Coverage of the cube about all samples and cameras, from images whose skins are marked (refine/skins.h). advance is called for each image, twice. The same tree on any
-/// number of threads. No image or no sample: a cube of a metre that nobody observed.
+/// Coverage of the cube about all samples and cameras, from images whose skins are marked (refine/skins.h). advance is
+/// called for each image, twice. The same tree on any number of threads. No image or no sample: a cube of a metre that
+/// nobody observed.
 Coverage cover(ImageStore& images, const CoverOptions& options, CoverFigures& figures,
                const std::function<void()>& advance = {});
 

@@ -13,12 +13,12 @@
 SHARED_BEGIN
 
 struct TileDraw {
-    vec4 base;    ///< h of the tile's first sample at its minDisparity
-    vec4 perX;    ///< what one sample to the right adds
-    vec4 perY;    ///< one sample down
-    vec4 perQ;    ///< one step of quantised disparity
-    uvec4 span;   ///< first vertex (facets: texel; splats: see splat.h) in the page; first item (vertex, quad or facet);
-                  ///< items; see packMark
+    vec4 base;  ///< h of the tile's first sample at its minDisparity
+    vec4 perX;  ///< what one sample to the right adds
+    vec4 perY;  ///< one sample down
+    vec4 perQ;  ///< one step of quantised disparity
+    uvec4 span; ///< first vertex (facets: texel; splats: see splat.h) in the page; first item (vertex, quad or facet);
+                ///< items; see packMark
     uvec4 source; ///< first sample in its image, x and y; level of detail | texels in a row << 8; image
     vec4 detail;  ///< see isOfDetail; x 0: all samples are drawn
 };
