@@ -27,11 +27,14 @@ constexpr std::array kWays{
         1, 0.7},
     Way{"mesh", [](const render::Quality& q) { return !q.isBlended && q.warp == render::Warp::mesh; },
         [](render::Quality& q) { q.isBlended = false, q.warp = render::Warp::mesh; }, 0.4, 0.8},
+    Way{"adaptive", [](const render::Quality& q) { return !q.isBlended && q.warp == render::Warp::adaptive; },
+        [](render::Quality& q) { q.isBlended = false, q.warp = render::Warp::adaptive; }, 0.6, 0.6},
     Way{"points", [](const render::Quality& q) { return !q.isBlended && q.warp == render::Warp::points; },
-        [](render::Quality& q) { q.isBlended = false, q.warp = render::Warp::points; }, 0.3, 0.5}};
+        [](render::Quality& q) { q.isBlended = false, q.warp = render::Warp::points; }, 0.5, 0.5}};
 
 /// A little resolution goes first, then the way surfaces are made, then resolution down to where it is still a picture.
-constexpr std::array kGentleScales{1.0, 0.85, 0.7}, kHardScales{0.6, 0.5, 0.35};
+constexpr std::array kGentleScales{0.85, 0.7};
+constexpr std::array kHardScales{0.6, 0.5, 0.35};
 
 std::string scaleName(double scale) {
     std::array<char, 32> text{};
@@ -58,6 +61,7 @@ std::vector<Rung> ladderOf(const render::Quality& base) {
         if (isCheaper && (scale >= 1 || rung.quality.resolutionScale >= render::kMinResolutionScale))
             ladder.push_back(std::move(rung));
     };
+    add(*asked, 1);
     for (auto way = asked; way != kWays.end(); ++way) {
         if (way != asked) cost *= way->cost;
         for (const double scale : kGentleScales)
