@@ -22,6 +22,7 @@ constexpr std::array kFigures{Figure{"psnr_covered_db", &PictureError::psnrCover
                               Figure{"ssim", &PictureError::ssim},
                               Figure{"covered_share", &PictureError::coveredShare},
                               Figure{"hole_share", &PictureError::holeShare},
+                              Figure{"unseen_share", &PictureError::unseenShare},
                               Figure{"wrongly_solid_share", &PictureError::wronglySolidShare}};
 
 /// Not a number becomes null.

@@ -105,7 +105,7 @@ PictureError errorOf(const render::EyeImage& drawn, const Truth& truth) {
     const scene::Image<std::uint8_t> all(width, height, 1);
     const auto depths = truth.depthMetres.pixels();
     const bool hasDepth = std::any_of(depths.begin(), depths.end(), [](float depth) { return depth > 0; });
-    std::size_t coveredCount = 0, measured = 0, surfaces = 0, holes = 0, solid = 0;
+    std::size_t coveredCount = 0, measured = 0, surfaces = 0, holes = 0, unseen = 0, solid = 0;
     for (int y = 0; y < height; ++y)
         for (int x = 0; x < width; ++x) {
             const std::uint8_t pixelClass = drawn.pixelClass(x, y);
@@ -117,6 +117,7 @@ PictureError errorOf(const render::EyeImage& drawn, const Truth& truth) {
             const bool isSurface = hasDepth ? nearest > 0 && std::isfinite(truth.depthMetres(x, y)) : true;
             surfaces += isSurface ? 1 : 0;
             holes += isSurface && !covers ? 1 : 0;
+            unseen += isSurface && pixelClass == render::kClassUnseen ? 1 : 0;
             if (!(nearest > 0)) continue;
             ++measured;
             const double limit = static_cast<double>(nearest) * (1 - kSolidTolerance);
@@ -129,6 +130,7 @@ PictureError errorOf(const render::EyeImage& drawn, const Truth& truth) {
     error.ssim = ssimOf(drawn.colour, truth.colour, covered);
     error.coveredShare = share(coveredCount, covered.size());
     error.holeShare = share(holes, surfaces);
+    error.unseenShare = share(unseen, surfaces);
     error.wronglySolidShare = measured > 0 ? share(solid, measured) : std::numeric_limits<double>::quiet_NaN();
     return error;
 }

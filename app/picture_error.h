@@ -38,6 +38,7 @@ struct PictureError {
     /// Of the pixels where the camera measured a surface, those that are neither seen nor filled; of all pixels where
     /// no depth is known at all.
     double holeShare = 0;
+    double unseenShare = 0; ///< of those same pixels, those that are told to be unseen: part of the holes
     /// Of the pixels where the camera measured depth, those where something stands in front of all that it measured
     /// about there (3 x 3 pixels, so that an edge may be off by one), by more than kSolidTolerance of the distance.
     /// Not a number where no depth is known.

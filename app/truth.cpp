@@ -2,6 +2,7 @@
 
 #include "app/stage_store.h"
 
+#include "render/shaders/shared/z_key.h"
 #include "scene/depth_tiff.h"
 #include "scene/errors.h"
 #include "scene/scene_file.h"
@@ -39,8 +40,9 @@ Truth readDepthImage(const std::filesystem::path& path, const scene::Camera& cam
     return truthOf(image);
 }
 
-Truth readPictures(const std::filesystem::path& colourPath, const std::filesystem::path& depthPath,
-                   const scene::Camera& camera) {
+/// stem: the camera's name in its folder.
+Truth readPictures(const std::filesystem::path& colourPath, const std::string& stem, const scene::Camera& camera) {
+    const std::filesystem::path depthPath = stem + "-depth.tiff", classPath = stem + "-class.png";
     const cv::Mat3b colour = readPicture(colourPath, cv::IMREAD_COLOR | cv::IMREAD_IGNORE_ORIENTATION);
     requireSize(colour.cols, colour.rows, camera, colourPath);
     Truth truth{{camera.width, camera.height}, {}};
@@ -58,6 +60,15 @@ Truth readPictures(const std::filesystem::path& colourPath, const std::filesyste
             const float metres = depth.at<float>(y, x);
             truth.depthMetres(x, y) = metres > 0 ? metres : 0;
         }
+    if (!std::filesystem::exists(classPath)) return truth;
+    const cv::Mat pixelClass = readPicture(classPath, cv::IMREAD_UNCHANGED);
+    if (pixelClass.type() != CV_8UC1)
+        throw scene::Failure("is not grey with 8 bit", classPath,
+                             "give classes as `render --aux` writes them, or none");
+    requireSize(pixelClass.cols, pixelClass.rows, camera, classPath);
+    for (int y = 0; y < camera.height; ++y)
+        for (int x = 0; x < camera.width; ++x)
+            if (pixelClass.at<std::uint8_t>(y, x) != render::kClassSeen) truth.depthMetres(x, y) = 0;
     return truth;
 }
 
@@ -91,9 +102,7 @@ std::vector<TruthSource> truthsBeside(const std::filesystem::path& camerasFile) 
         } else {
             for (const char* ending : kPictureEndings)
                 if (!read && std::filesystem::exists(with(ending)))
-                    read = [file = with(ending), depth = with("-depth.tiff"), camera] {
-                        return readPictures(file, depth, camera);
-                    };
+                    read = [file = with(ending), stem, camera] { return readPictures(file, stem.string(), camera); };
         }
         if (!read)
             throw scene::Failure("is missing: the camera has no picture beside the cameras file", with(".png"),

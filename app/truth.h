@@ -22,8 +22,9 @@ struct TruthSource {
 std::vector<TruthSource> heldOutTruths(const scene::Scene& scene);
 
 /// The cameras of a cameras file with the pictures beside it: NAME.tiff, a depth image as scenes have them, or
-/// NAME.png, .jpg or .jpeg, with NAME-depth.tiff (float32, metres along z, 0 = not known) where there is one: what
-/// `render --aux` writes. Throws scene::Failure if a camera has neither.
+/// NAME.png, .jpg or .jpeg, with NAME-depth.tiff (float32, metres along z, 0 = not known) where there is one, and with
+/// NAME-class.png, which says where that depth was seen: what `render --aux` writes. Throws scene::Failure if a camera
+/// has neither.
 std::vector<TruthSource> truthsBeside(const std::filesystem::path& camerasFile);
 
 } // namespace app

@@ -76,7 +76,8 @@ TEST_F(Measure, SaysOfEachSettingWhatItsPicturesSay) {
         EXPECT_GT(setting.at("psnr_covered_db"), 18);
         EXPECT_GT(setting.at("ssim"), 0.5);
         EXPECT_LT(setting.at("ssim"), 1);
-        EXPECT_LT(setting.at("hole_share"), 0.3);
+        EXPECT_LT(setting.at("hole_share"), 0.5);
+        EXPECT_LE(setting.at("unseen_share"), setting.at("hole_share"));
         EXPECT_LT(setting.at("wrongly_solid_share"), 0.1);
         EXPECT_GT(setting.at("frame_ms").at("median"), 0);
         EXPECT_GE(setting.at("frame_ms").at("p99"), setting.at("frame_ms").at("median"));

@@ -115,6 +115,7 @@ TEST(PictureError, SharesOfHolesAndOfWhatIsWronglySolid) {
     drawn.pixelClass(5, 5) = render::kClassFilled;
     error = errorOf(drawn, truth);
     EXPECT_NEAR(error.holeShare, 4.0 / 80, 1e-12) << "the unseen is a hole, what is filled is none";
+    EXPECT_NEAR(error.unseenShare, 4.0 / 80, 1e-12);
     EXPECT_NEAR(error.coveredShare, 86.0 / 100, 1e-12);
 
     // In front by 3 % is within the tolerance, by 10 % it is wrong; where nothing is known nobody can tell.
