@@ -15,7 +15,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr int kRefineVersion = 4;
+constexpr int kRefineVersion = 5, kCoverageVersion = 1;
 
 json describe(const scene::ComparisonOptions& o) {
     return {o.sameSurface, o.pixelError};
@@ -155,6 +155,27 @@ TileStage fuseAndCut(const ImportedImages& imported, const Overlaps& overlaps, c
         }
         progress.advance();
     });
+    return stage;
+}
+
+CoverageStage coverSpace(const SkinStage& skins, const BuildOptions& options, StageStore& store) {
+    CoverageStage stage;
+    if (!options.findUnseen) return stage;
+    const scene::CoverOptions& o = options.coverage;
+    const std::string key = keyOf(
+        {kCoverageVersion, skins.key, o.cellsPerSample, o.surfaceSamples, o.nearestMetres, o.tolerance, o.maxNodes});
+    Progress progress("coverage", 2 * skins.images.size());
+    const std::filesystem::path folder = store.find("coverage", key, [&](const std::filesystem::path& part) {
+        scene::ImageStore images = openImages(skins.images, options);
+        scene::CoverFigures f;
+        writeCoverage(scene::cover(images, o, f, [&] { progress.advance(); }), part / scene::kCoverageFile);
+        writeWhole(part / "figures.json", json{f.nodes, f.cellsPerSample, f.finestMetres, f.unseenCubicMetres,
+                                               f.surfaceCubicMetres, f.emptyCubicMetres}
+                                              .dump());
+    });
+    const json f = readJson(folder / "figures.json");
+    stage.figures = {f.at(0), f.at(1), f.at(2), f.at(3), f.at(4), f.at(5)};
+    stage.file = folder / scene::kCoverageFile;
     return stage;
 }
 

@@ -29,7 +29,8 @@ void buildScene(const BuildOptions& options) {
     const SkinStage skins = markSkins(imported, overlaps, options, store);
     const KeepStage kept = keepBest(imported, overlaps, skins, options, store);
     const TileStage tiles = fuseAndCut(imported, overlaps, skins, kept, options, store);
-    writeScene(output, capture, heldOut, imported, overlaps, skins, kept, tiles, options);
+    const CoverageStage coverage = coverSpace(skins, options, store);
+    writeScene(output, capture, heldOut, imported, overlaps, skins, kept, tiles, coverage, options);
 }
 
 } // namespace app

@@ -4,6 +4,7 @@
 #include "scene/project/cube_faces.h"
 #include "scene/project/dropouts.h"
 #include "scene/pyramid.h"
+#include "scene/refine/cover.h"
 #include "scene/refine/fusion.h"
 #include "scene/refine/redundancy.h"
 #include "scene/refine/skins.h"
@@ -28,6 +29,8 @@ struct BuildOptions {
     scene::SkinOptions skins;
     scene::RedundancyOptions redundancy;
     scene::FusionOptions fusion;
+    bool findUnseen = true; ///< false: no coverage is built, and nothing is ever shown as unseen
+    scene::CoverOptions coverage;
     scene::PyramidOptions pyramid;
 };
 

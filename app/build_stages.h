@@ -8,6 +8,7 @@
 #include "scene/errors.h"
 #include "scene/image_store.h"
 #include "scene/import/capture.h"
+#include "scene/refine/cover.h"
 #include "scene/refine/pairs.h"
 
 namespace app {
@@ -57,12 +58,20 @@ struct TileStage {
 TileStage fuseAndCut(const ImportedImages& imported, const Overlaps& overlaps, const SkinStage& skins,
                      const KeepStage& kept, const BuildOptions& options, StageStore& store);
 
+/// What was observed of space, and what nobody ever saw: a file.
+struct CoverageStage {
+    std::filesystem::path file; ///< empty: not built
+    scene::CoverFigures figures;
+};
+CoverageStage coverSpace(const SkinStage& skins, const BuildOptions& options, StageStore& store);
+
 /// What stands under the scene's name already must be a scene, or nothing. Throws scene::Failure.
 void checkReplaceable(const std::filesystem::path& output);
 
 /// The scene folder, under a temporary name until it is whole.
 void writeScene(const std::filesystem::path& output, const scene::Capture& capture,
                 const std::vector<std::size_t>& heldOut, const ImportedImages& imported, const Overlaps& overlaps,
-                const SkinStage& skins, const KeepStage& kept, const TileStage& tiles, const BuildOptions& options);
+                const SkinStage& skins, const KeepStage& kept, const TileStage& tiles, const CoverageStage& coverage,
+                const BuildOptions& options);
 
 } // namespace app

@@ -66,6 +66,8 @@ json explain(const scene::Capture& capture, const Overlaps& overlaps, const Buil
                           ? "skins, redundancy and fusion over " + std::to_string(overlaps.pairs) + " overlapping pairs"
                           : std::string("skins by planarity alone: no two images overlap"));
     if (!o.cull) reasons.push_back("no culling: every sample is kept, as asked");
+    reasons.push_back(o.findUnseen ? "coverage: what no image observed is shown as unseen"
+                                   : "no coverage, as asked: nothing is shown as unseen");
     if (!o.fuse) reasons.push_back("no fusion: samples stay as captured, as asked");
     return reasons;
 }
@@ -141,7 +143,8 @@ void checkReplaceable(const std::filesystem::path& output) {
 
 void writeScene(const std::filesystem::path& output, const scene::Capture& capture,
                 const std::vector<std::size_t>& heldOut, const ImportedImages& imported, const Overlaps& overlaps,
-                const SkinStage& skins, const KeepStage& kept, const TileStage& tiles, const BuildOptions& options) {
+                const SkinStage& skins, const KeepStage& kept, const TileStage& tiles, const CoverageStage& coverage,
+                const BuildOptions& options) {
     std::filesystem::path part = output;
     part += ".part";
     std::error_code ignored;
@@ -159,6 +162,7 @@ void writeScene(const std::filesystem::path& output, const scene::Capture& captu
             return set;
         };
         scene::writeTilesFile(part / "tiles.bin", imported.images.size(), tilesOf);
+        if (!coverage.file.empty()) std::filesystem::copy_file(coverage.file, part / scene::kCoverageFile);
 
         json images = json::array(), heldOutCameras = json::array(), inputs = json::array();
         for (const scene::StoredImage& image : imported.images) {
@@ -179,6 +183,7 @@ void writeScene(const std::filesystem::path& output, const scene::Capture& captu
                       {"images", images},
                       {"held_out", heldOutCameras},
                       {"walk_from_world", rowMajor({})},
+                      {"coverage", !coverage.file.empty()},
                       {"figures",
                        {{"images", imported.images.size()},
                         {"overlapping_pairs", overlaps.pairs},
@@ -196,6 +201,12 @@ void writeScene(const std::filesystem::path& output, const scene::Capture& captu
                         {"scan_points", imported.scanPoints.points},
                         {"scan_points_held", imported.scanPoints.held},
                         {"scan_points_dropped", imported.scanPoints.dropped},
+                        {"coverage_nodes", coverage.figures.nodes},
+                        {"coverage_cells_per_sample", coverage.figures.cellsPerSample},
+                        {"coverage_finest_m", coverage.figures.finestMetres},
+                        {"coverage_unseen_m3", coverage.figures.unseenCubicMetres},
+                        {"coverage_surface_m3", coverage.figures.surfaceCubicMetres},
+                        {"coverage_empty_m3", coverage.figures.emptyCubicMetres},
                         {"tiles", tileCount},
                         {"tiles_coarser", coarser},
                         {"facets_stored", facets},

@@ -31,6 +31,7 @@ struct WalkFacts {
     glm::dvec3 place{0};      ///< of the head, walk space
     double speed = 0;         ///< metres a second
     double scale = 1;         ///< of the world: walk metres per metre of the wearer's room
+    std::string given;        ///< up by the governor; empty: nothing
     std::string notice;       ///< the last thing that was said
 };
 

@@ -86,7 +86,7 @@ class DeskWindow {
         if (says.said(Command::warp))
             knobs_.quality.warp =
                 knobs_.quality.warp == render::Warp::points ? render::Warp::mesh : render::Warp::points;
-        if (says.said(Command::unseen)) state_.showsUnseen = !state_.showsUnseen;
+        if (says.said(Command::unseen)) knobs_.quality.showUnseen = !knobs_.quality.showUnseen;
         if (says.said(Command::cameras)) knobs_.showsCameras = !knobs_.showsCameras;
         if (says.said(Command::floorGrid)) knobs_.settings.showsFloorGrid = !knobs_.settings.showsFloorGrid;
         if (says.said(Command::quit)) {
@@ -114,7 +114,7 @@ class DeskWindow {
     }
 
     void showPictures() {
-        if (state_.showsUnseen)
+        if (state_.tintsFilled)
             for (std::vector<std::uint32_t>& pixels : pictures_.eyes)
                 tintUnseen(pixels);
         const std::vector<xr::WindowPicture> shown = shownPictures();

@@ -8,6 +8,7 @@ render::Quality qualityOf(const DrawOptions& o) {
     render::Quality quality = readQuality(o.quality);
     for (const auto& [name, value] : o.turned)
         turnKnob(quality, name, value, "the command line");
+    quality.showUnseen = !o.hideUnseen;
     return quality;
 }
 

@@ -14,6 +14,7 @@ struct DrawOptions {
     std::string quality = kDefaultPreset;                       ///< a preset, or a file of knobs
     std::vector<std::pair<std::string, nlohmann::json>> turned; ///< knobs of their own options: they win
     double eyeDistanceMetres = 0.063;
+    bool hideUnseen = false;              ///< space that nobody observed is shown as emptiness
     std::size_t memoryBytes = 8ull << 30; ///< what the scene may take on the device
 };
 

@@ -33,24 +33,32 @@ json traceOf(const std::vector<render::StepTime>& times) {
     return trace;
 }
 
-/// From the first eye's culling until both are submitted.
-double processorMilliseconds(const render::FrameStats& stats) {
+double spanOf(const std::vector<render::StepTime>& times) {
     double start = std::numeric_limits<double>::infinity(), end = 0;
-    for (const render::StepTime& time : stats.cpu) {
+    for (const render::StepTime& time : times) {
         if (std::strcmp(time.step, "wait") == 0) continue;
         start = std::min(start, time.startMilliseconds);
         end = std::max(end, time.startMilliseconds + time.milliseconds);
     }
-    return end > start ? end - start : 0;
+    return std::max(end - start, 0.0);
 }
 
 } // namespace
+
+double processorMilliseconds(const render::FrameStats& stats) {
+    return spanOf(stats.cpu);
+}
+
+double deviceMilliseconds(const render::FrameStats& stats) {
+    return spanOf(stats.gpu);
+}
 
 void FrameReport::add(const render::FrameStats& stats, double wallMilliseconds) {
     ++frames_;
     last_ = stats;
     milliseconds_["wall.frame"].add(wallMilliseconds);
     milliseconds_["cpu.frame"].add(processorMilliseconds(stats));
+    if (!stats.gpu.empty()) milliseconds_["gpu.frame"].add(deviceMilliseconds(stats));
     for (const render::StepTime& time : stats.cpu)
         milliseconds_[stepName("cpu", time)].add(time.milliseconds);
     for (const render::StepTime& time : stats.gpu)

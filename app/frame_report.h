@@ -14,6 +14,11 @@
 
 namespace app {
 
+/// From the first eye's culling until both are submitted; waiting left out.
+double processorMilliseconds(const render::FrameStats& stats);
+/// From the device's first step of that frame until its last one's end; 0 if it tells no times.
+double deviceMilliseconds(const render::FrameStats& stats);
+
 /// Gathers the figures of a run's frames, however many.
 class FrameReport {
   public:

@@ -12,14 +12,27 @@ namespace app {
 
 namespace {
 
-/// Share of a frame that does not go with the number of its pixels: samples are read whatever they become.
-constexpr double kFixedShare = 0.45;
-/// Of what a frame of the mesh takes, as points.
-constexpr double kPointsShare = 0.5;
+/// A way of making surfaces, what a frame of it takes beside one of the way before it, and the share of that which does
+/// not go with the number of pixels: samples are read whatever they become.
+struct Way {
+    const char* name;
+    bool (*is)(const render::Quality&);
+    void (*take)(render::Quality&);
+    double cost, fixedShare;
+};
 
-/// Resolution goes first, then the way surfaces are made, then resolution down to where it is still a picture.
-constexpr std::array kGentleScales{0.85, 0.7, 0.6, 0.5};
-constexpr double kFloorScale = 0.35;
+/// From the best to the fastest, with what docs/performance.md measured.
+constexpr std::array kWays{
+    Way{"blended", [](const render::Quality& q) { return q.isBlended; }, [](render::Quality& q) { q.isBlended = true; },
+        1, 0.7},
+    // Whatever is no slower than the mesh may be asked for in its place.
+    Way{"mesh", [](const render::Quality& q) { return !q.isBlended && q.warp != render::Warp::points; },
+        [](render::Quality& q) { q.isBlended = false, q.warp = render::Warp::mesh; }, 0.4, 0.8},
+    Way{"points", [](const render::Quality& q) { return !q.isBlended && q.warp == render::Warp::points; },
+        [](render::Quality& q) { q.isBlended = false, q.warp = render::Warp::points; }, 0.3, 0.5}};
+
+/// A little resolution goes first, then the way surfaces are made, then resolution down to where it is still a picture.
+constexpr std::array kGentleScales{1.0, 0.85, 0.7}, kHardScales{0.6, 0.5, 0.35};
 
 std::string scaleName(double scale) {
     std::array<char, 32> text{};
@@ -27,30 +40,32 @@ std::string scaleName(double scale) {
     return text.data();
 }
 
-double costOf(double scale) {
-    return kFixedShare + (1 - kFixedShare) * scale * scale;
-}
-
 } // namespace
 
 std::vector<Rung> ladderOf(const render::Quality& base) {
-    std::vector<Rung> ladder{{"as asked", base, 1}};
-    const auto add = [&](double scale, bool simply) {
-        Rung rung{scaleName(scale), base, costOf(scale)};
+    const auto asked = std::find_if(kWays.begin(), kWays.end(), [&](const Way& way) { return way.is(base); });
+    std::vector<Rung> ladder;
+    double cost = 1;
+    const auto add = [&](const Way& way, double scale) {
+        Rung rung{scaleName(scale), base, cost * (way.fixedShare + (1 - way.fixedShare) * scale * scale)};
         rung.quality.resolutionScale = base.resolutionScale * scale;
-        if (simply && (base.warp != render::Warp::points || base.isBlended)) {
-            rung.name += ", points";
-            rung.quality.warp = render::Warp::points, rung.quality.isBlended = false;
-            rung.cost *= kPointsShare;
+        if (way.name != asked->name) {
+            way.take(rung.quality);
+            rung.name = scale < 1 ? std::string(way.name) + ", " + rung.name : way.name;
         }
-        // What is asked for may be at the floor already, or need nothing simpler.
-        if (rung.cost < ladder.back().cost && rung.quality.resolutionScale >= render::kMinResolutionScale)
+        if (ladder.empty()) rung.name = "as asked";
+        // What is asked for may be near the floor already.
+        const bool isCheaper = ladder.empty() || rung.cost < ladder.back().cost;
+        if (isCheaper && (scale >= 1 || rung.quality.resolutionScale >= render::kMinResolutionScale))
             ladder.push_back(std::move(rung));
     };
-    for (const double scale : kGentleScales)
-        add(scale, false);
-    add(kGentleScales.back(), true);
-    add(kFloorScale, true);
+    for (auto way = asked; way != kWays.end(); ++way) {
+        if (way != asked) cost *= way->cost;
+        for (const double scale : kGentleScales)
+            add(*way, scale);
+    }
+    for (const double scale : kHardScales)
+        add(kWays.back(), scale);
     return ladder;
 }
 
@@ -66,7 +81,7 @@ int Governor::rungFor(std::uint64_t frame) {
         framesOnRung_ = 0;
     }
     last_ = frame;
-    if (const std::optional<int> rung = wanted()) change(*rung, frame);
+    if (const std::optional<Wish> wished = wish()) change(*wished, frame);
     ++framesOnRung_, ++asked_;
     ++frames_[static_cast<std::size_t>(rung_)];
     return rung_;
@@ -86,8 +101,7 @@ double Governor::median(std::size_t newest) const {
     return *middle;
 }
 
-/// The rung that is called for, if not this one.
-std::optional<int> Governor::wanted() const {
+std::optional<Governor::Wish> Governor::wish() const {
     const auto window = static_cast<std::size_t>(options_.window);
     const double full = options_.fullShare * options_.budgetMilliseconds,
                  room = options_.roomShare * options_.budgetMilliseconds;
@@ -104,7 +118,7 @@ std::optional<int> Governor::wanted() const {
         int rung = rung_ + 1;
         while (rung < floor && load * costAt(rung) / costAt(rung_) > full)
             ++rung;
-        return rung;
+        return Wish{rung, load};
     }
 
     if (rung_ == 0 || told_.size() < static_cast<std::size_t>(options_.patience)) return std::nullopt;
@@ -112,13 +126,13 @@ std::optional<int> Governor::wanted() const {
     // What made the last climb fail is gone: no reason to be patient any longer.
     const bool isEased = failedAt_ > 0 && load < 0.7 * failedAt_;
     if (framesOnRung_ < static_cast<std::uint64_t>(isEased ? options_.patience : patience_)) return std::nullopt;
-    if (load * costAt(rung_ - 1) / costAt(rung_) < room) return rung_ - 1;
+    if (load * costAt(rung_ - 1) / costAt(rung_) < room) return Wish{rung_ - 1, load};
     return std::nullopt;
 }
 
-void Governor::change(int rung, std::uint64_t frame) {
-    const bool climbs = rung < rung_;
-    const double load = median(told_.size());
+void Governor::change(const Wish& wish, std::uint64_t frame) {
+    const bool climbs = wish.rung < rung_;
+    const double load = wish.milliseconds;
     if (!climbs && climbed_ && framesOnRung_ <= static_cast<std::uint64_t>(options_.trial)) {
         patience_ = std::min(2 * patience_, options_.mostPatience);
         failedAt_ = climbedFrom_;
@@ -126,8 +140,8 @@ void Governor::change(int rung, std::uint64_t frame) {
     if (climbs && failedAt_ > 0 && load < 0.7 * failedAt_) patience_ = options_.patience, failedAt_ = 0;
     climbedFrom_ = load;
     climbed_ = climbs;
-    if (changes_.size() < kMostChanges) changes_.push_back({asked_, rung_, rung, load});
-    rung_ = rung;
+    if (changes_.size() < kMostChanges) changes_.push_back({asked_, rung_, wish.rung, load});
+    rung_ = wish.rung;
     first_ = frame;
     framesOnRung_ = 0;
     told_.clear();

@@ -51,7 +51,7 @@ class Governor {
     struct Change {
         std::uint64_t frame = 0; ///< the first on the new rung, counted over all that were asked for
         int from = 0, to = 0;
-        double milliseconds = 0; ///< median of the frames that led to it
+        double milliseconds = 0; ///< of the frames that led to it
     };
     std::span<const Change> changes() const { return changes_; }
     /// Frames drawn on each rung.
@@ -60,8 +60,13 @@ class Governor {
 
   private:
     double median(std::size_t newest) const;
-    std::optional<int> wanted() const;
-    void change(int rung, std::uint64_t frame);
+    /// The rung that is called for, if not this one, and why.
+    struct Wish {
+        int rung = 0;
+        double milliseconds = 0;
+    };
+    std::optional<Wish> wish() const;
+    void change(const Wish& wish, std::uint64_t frame);
 
     std::vector<double> costs_;
     GovernorOptions options_;

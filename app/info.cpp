@@ -74,6 +74,12 @@ void printInfo(const std::filesystem::path& folder, bool asJson) {
     std::printf("  skins      %s of the triangles by planarity, %s more seen through by another image\n",
                 shareText(number("triangles_skin_planarity"), number("triangles")).c_str(),
                 shareText(number("triangles_skin_seen_through"), number("triangles")).c_str());
+    if (scene.coverage)
+        std::printf(
+            "  coverage   %.0f nodes, cells down to %.1f mm; in the box about all samples %.1f m3 seen empty, %.1f "
+            "m3 never observed\n",
+            number("coverage_nodes"), 1e3 * number("coverage_finest_m"), number("coverage_empty_m3"),
+            number("coverage_unseen_m3"));
     std::printf("  tiles      %.0f, %.1f MB; scene %.1f MB on disk\n", number("tiles"),
                 static_cast<double>(scene.tilesFile.bytes().size()) / 1e6, info["bytes_on_disk"].get<double>() / 1e6);
     for (const json& reason : info.at("built"))

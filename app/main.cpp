@@ -75,6 +75,9 @@ void addBuild(CLI::App& program, app::BuildOptions& options, std::string& memory
                      "filled unless another image confirms it; 0: never")
         ->check(CLI::Range(0, 100))
         ->capture_default_str();
+    build->add_flag_callback(
+        "--no-coverage", [&] { options.findUnseen = false; },
+        "do not find out which space no image observed: nothing is shown as unseen");
     build
         ->add_option("--mesh-tolerance", options.pyramid.facetTolerance,
                      "share of depth by which the adaptive mesh may leave the samples")
@@ -125,6 +128,8 @@ void addDrawOptions(CLI::App& command, app::DrawOptions& options) {
                 knob.does + ": " + knob.values)
             ->type_name("")
             ->group(group);
+    command.add_flag("--hide-unseen", options.hideUnseen,
+                     "show space that no image ever observed as emptiness instead of dark stripes");
     command.add_option("--ipd", options.eyeDistanceMetres, "metres between the eyes")
         ->check(CLI::Range(0.0, 1.0))
         ->capture_default_str();
@@ -173,6 +178,11 @@ void addWalk(CLI::App& program, app::WalkOptions& options, std::string& size, st
                      "frames a second: along the path without a display (default 90); of a headset, the nearest it "
                      "offers")
         ->check(CLI::Range(1.0, 1000.0));
+    walk->add_flag_callback(
+        "--hold-rate", [&] { options.holdsRate = true; },
+        "give up quality while --rate is not held; so it is anyway, except with --headless");
+    walk->add_flag_callback(
+        "--fixed-quality", [&] { options.holdsRate = false; }, "draw as asked, however long it takes");
     walk->add_option("--size", size, "WxH of an eye without a display; default 640x480");
     addDrawOptions(*walk, options.draw);
     walk->add_option("--memory", memory, "what the scene may take, e.g. 8G")->capture_default_str();

@@ -115,7 +115,8 @@ render::EyeImage sideBySide(const scene::Image<scene::Rgb8>& drawn, const scene:
 
 /// Every setting from every camera; the worst picture of each setting is written beside its photograph.
 void compare(const MeasureOptions& o, const std::vector<TruthSource>& truths, const render::Device& device,
-             const render::GpuScene& gpuScene, const Plan& plan, std::vector<MeasuredSetting>& measured) {
+             const render::GpuScene& gpuScene, const render::GpuCoverage* coverage, const Plan& plan,
+             std::vector<MeasuredSetting>& measured) {
     std::vector<double> worst(measured.size(), std::numeric_limits<double>::infinity());
     std::vector<render::EyeImage> worstPairs(measured.size());
     std::optional<render::Renderer> renderer;
@@ -125,7 +126,7 @@ void compare(const MeasureOptions& o, const std::vector<TruthSource>& truths, co
         const scene::Camera& camera = source.view.camera;
         if (!renderer || renderer->width() != camera.width || renderer->height() != camera.height) {
             renderer.reset();
-            renderer.emplace(device, gpuScene, camera.width, camera.height, 1);
+            renderer.emplace(device, gpuScene, camera.width, camera.height, 1, coverage);
         }
         const scene::View view{camera, source.view.worldFromCamera};
         for (std::size_t i = 0; i < measured.size(); ++i) {
@@ -143,22 +144,12 @@ void compare(const MeasureOptions& o, const std::vector<TruthSource>& truths, co
         writePictures(worstPairs[i], o.out, "worst-" + fileNameOf(measured[i].name), false);
 }
 
-/// From the first eye's first step until the last one's end.
-double spanOf(const std::vector<render::StepTime>& times) {
-    double start = std::numeric_limits<double>::infinity(), end = 0;
-    for (const render::StepTime& time : times) {
-        start = std::min(start, time.startMilliseconds);
-        end = std::max(end, time.startMilliseconds + time.milliseconds);
-    }
-    return std::max(end - start, 0.0);
-}
-
 /// Every setting at every place, in turn, so that whatever else the machine does meets all of them alike.
 void time(const MeasureOptions& o, const std::vector<scene::Pose>& heads, const render::Device& device,
-          const render::GpuScene& gpuScene, const Plan& plan, std::vector<MeasuredSetting>& measured) {
-    render::Renderer renderer(device, gpuScene, o.width, o.height, 2);
+          const render::GpuScene& gpuScene, const render::GpuCoverage* coverage, const Plan& plan,
+          std::vector<MeasuredSetting>& measured) {
+    render::Renderer renderer(device, gpuScene, o.width, o.height, 2, coverage);
     std::vector<FrameReport> reports(measured.size());
-    std::vector<Spread> spans(measured.size());
     const scene::Camera camera = eyeCamera(o);
     const auto eyesAt = [&](const scene::Pose& head) {
         const auto [left, right] = scene::eyesOf(camera, head, o.draw.eyeDistanceMetres);
@@ -178,7 +169,6 @@ void time(const MeasureOptions& o, const std::vector<scene::Pose>& heads, const 
             const render::FrameStats stats = renderer.finish();
             const std::chrono::duration<double, std::milli> passed = std::chrono::steady_clock::now() - start;
             reports[i].add(stats, passed.count());
-            spans[i].add(spanOf(stats.gpu));
         }
         progress.advance();
     }
@@ -186,11 +176,13 @@ void time(const MeasureOptions& o, const std::vector<scene::Pose>& heads, const 
         const json summary = reports[i].summarise(device, gpuScene, json::object());
         for (const char* field : {"frame_ms", "cpu_ms", "gpu_ms", "tiles_drawn", "samples_drawn"})
             measured[i].times[field] = summary.at(field);
-        measured[i].times["gpu_frame_ms"] = spans[i].toJson();
         measured[i].medianMilliseconds = summary["frame_ms"]["median"];
         measured[i].p99Milliseconds = summary["frame_ms"]["p99"];
         measured[i].processorMilliseconds = summary["cpu_ms"]["frame"]["median"];
-        measured[i].deviceMilliseconds = spans[i].toJson()["median"];
+        // A device may tell no times.
+        measured[i].deviceMilliseconds = summary["gpu_ms"].contains("frame")
+                                             ? summary["gpu_ms"]["frame"]["median"].get<double>()
+                                             : std::numeric_limits<double>::quiet_NaN();
     }
 }
 
@@ -204,6 +196,7 @@ std::vector<Preset> sweepFrom(const render::Quality& start, const std::vector<st
                 names += (names.empty() ? "" : ", ") + knob.name;
             throw scene::Failure("is no knob", "--sweep " + name, "choose from " + names);
         }
+    const auto warpOf = [](const render::Quality& quality) { return toJson(quality).at("warp").get<std::string>(); };
     std::vector<Preset> settings;
     const auto add = [&](const std::string& name, const render::Quality& quality) {
         const json knobs = toJson(quality);
@@ -216,6 +209,7 @@ std::vector<Preset> sweepFrom(const render::Quality& start, const std::vector<st
     add("as asked", start);
     for (const Knob& knob : knobs()) {
         if (!knobNames.empty() && std::find(knobNames.begin(), knobNames.end(), knob.name) == knobNames.end()) continue;
+        if (!knob.warp.empty() && warpOf(start) != knob.warp) continue;
         for (const json& value : knob.tried) {
             render::Quality quality = start;
             knob.set(quality, value);
@@ -238,11 +232,14 @@ void measureScene(const MeasureOptions& o) {
 
     const render::Device device;
     const render::GpuScene gpuScene(device, scene.blocks);
+    std::optional<render::GpuCoverage> unseen;
+    if (scene.coverage && !o.draw.hideUnseen) unseen.emplace(device, *scene.coverage);
+    const render::GpuCoverage* const coverage = unseen ? &*unseen : nullptr;
     std::vector<MeasuredSetting> measured;
     for (const Preset& setting : plan.settings)
         measured.push_back({.name = setting.name, .quality = toJson(setting.quality)});
-    compare(o, truths, device, gpuScene, plan, measured);
-    time(o, heads, device, gpuScene, plan, measured);
+    compare(o, truths, device, gpuScene, coverage, plan, measured);
+    time(o, heads, device, gpuScene, coverage, plan, measured);
 
     const std::span<const MeasuredSetting> all = measured;
     const json report{{"revisit", "measure"},

@@ -20,7 +20,8 @@ struct MeasureOptions {
     DrawOptions draw;               ///< where the sweep starts from
 };
 
-/// Settings by name, each different from the others: the presets, the start, and the start with one knob turned.
+/// Settings by name, each different from the others: the presets, the start, and the start with one knob turned
+/// that matters to its warp.
 /// Throws scene::Failure if a knob's name is not one.
 std::vector<Preset> sweepFrom(const render::Quality& start, const std::vector<std::string>& knobNames);
 

@@ -39,6 +39,7 @@ void drawFacts(const WalkFacts& facts) {
     ImGui::TextWrapped("%s", facts.display.c_str());
     if (!facts.isTracked) ImGui::TextColored({1, 0.6f, 0.2f, 1}, "the head is not tracked");
     ImGui::Text("%.1f frames/s", facts.framesPerSecond);
+    if (!facts.given.empty()) ImGui::Text("to hold the rate: %s", facts.given.c_str());
     ImGui::Text("at %.2f, %.2f, %.2f m   %.1f m/s", facts.place.x, facts.place.y, facts.place.z, facts.speed);
     if (std::abs(facts.scale - 1) > 1e-9) ImGui::Text("world 1 : %.3g", facts.scale);
     std::uint64_t samples = 0;
@@ -68,7 +69,9 @@ void drawKnobs(PanelState& state, Knobs& knobs) {
     if (ImGui::SliderFloat("resolution", &scale, 0.1f, 1, "%.2f"))
         knobs.resolutionScale = std::clamp(static_cast<double>(scale), 0.1, 1.0);
 
-    ImGui::Checkbox("the unseen", &state.showsUnseen);
+    ImGui::Checkbox("the unseen", &knobs.quality.showUnseen);
+    ImGui::SameLine();
+    ImGui::Checkbox("tint what was filled", &state.tintsFilled);
     ImGui::SameLine();
     ImGui::Checkbox("cameras", &knobs.showsCameras);
     ImGui::SameLine();

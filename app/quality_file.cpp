@@ -22,12 +22,12 @@ struct WarpName {
     bool isBlended = false;
     bool isByConfidence = false;
 };
-constexpr std::array kWarpNames{WarpName{"points", render::Warp::points}, WarpName{"mesh", render::Warp::mesh},
-                                WarpName{"splats", render::Warp::splats},
-                                WarpName{"confidence", render::Warp::mesh, false, true},
-                                WarpName{"blended", render::Warp::mesh, true}};
+constexpr std::array kWarpNames{
+    WarpName{"points", render::Warp::points},     WarpName{"splats", render::Warp::splats},
+    WarpName{"mesh", render::Warp::mesh},         WarpName{"confidence", render::Warp::mesh, false, true},
+    WarpName{"adaptive", render::Warp::adaptive}, WarpName{"blended", render::Warp::mesh, true}};
 
-/// Order levels for each square pixel of a sample's projected area, where warps are told apart by name.
+/// Order levels for each square pixel of a sample's projected area, where samples are composed by confidence.
 constexpr float kConfidenceLevels = 2;
 
 /// As few digits as tell the number apart from its neighbours: 0.07 and not 0.0700000003.
@@ -58,11 +58,13 @@ struct Range {
 
 /// A knob that is a number. member: the Quality, const or not, to its number.
 template <class Member>
-Knob number(const char* name, const char* unit, const char* does, Range range, std::vector<json> tried, Member member) {
+Knob number(const char* name, const char* unit, const char* does, Range range, std::vector<json> tried, Member member,
+            const char* warp = "") {
     using T = std::remove_cvref_t<decltype(member(std::declval<Quality&>()))>;
     constexpr bool isWhole = std::is_integral_v<T>;
     Knob knob;
-    knob.name = name, knob.unit = unit, knob.does = does, knob.tried = std::move(tried);
+    knob.name = name, knob.unit = unit, knob.does = does, knob.tried = std::move(tried), knob.warp = warp;
+    if (!knob.warp.empty()) knob.does = knob.warp + ": " + knob.does;
     knob.values = std::string(isWhole ? "a whole number" : "a number") + " of " + inWords(range.least) + " to " +
                   inWords(range.most) + (knob.unit.empty() ? "" : " " + knob.unit);
     knob.get = [member](const Quality& q) -> json {
@@ -76,6 +78,20 @@ Knob number(const char* name, const char* unit, const char* does, Range range, s
         const double given = value.get<double>();
         if (!(given >= range.least && given <= range.most) || (isWhole && given != std::floor(given))) return false;
         member(q) = static_cast<T>(given);
+        return true;
+    };
+    return knob;
+}
+
+/// A knob that is on or off.
+template <class Member>
+Knob yesOrNo(const char* name, const char* does, std::vector<json> tried, Member member) {
+    Knob knob;
+    knob.name = name, knob.does = does, knob.values = "true or false", knob.tried = std::move(tried);
+    knob.get = [member](const Quality& q) -> json { return member(q); };
+    knob.set = [member](Quality& q, const json& value) {
+        if (!value.is_boolean()) return false;
+        member(q) = value.get<bool>();
         return true;
     };
     return knob;
@@ -117,19 +133,51 @@ std::vector<Knob> makeKnobs() {
             {render::kMinResolutionScale, render::kMaxResolutionScale}, {0.5, 0.7, 0.85, 1.5, 2.0},
             [](auto& q) -> auto& { return q.resolutionScale; }),
         number(
+            "sample_pixels", "pixels",
+            "points and adaptive: coarser samples stand for finer ones where they are no wider; 0: never", {0, 64},
+            {0, 1, 1.5}, [](auto& q) -> auto& { return q.samplePixels; }),
+        number(
+            "far_sample_pixels", "pixels",
+            "the same for what was taken from far away and is seen only where nothing nearer was", {0, 64},
+            {0, 1, 2, 3}, [](auto& q) -> auto& { return q.farSamplePixels; }),
+        number(
             "near_baseline", "",
             "images taken from within this share of a surface's distance are preferred there; 0: the nearest sample "
             "wins",
             {0, 10}, {0, 0.04, 0.15}, [](auto& q) -> auto& { return q.preference.nearBaseline; }),
         number(
-            "max_footprint", "pixels", "points: widest square of pixels for a sample; 1: one pixel each", {1, 64},
-            {1, 2, 8}, [](auto& q) -> auto& { return q.maxFootprint; }),
+            "max_footprint", "pixels", "widest square of pixels for a sample; 1: one pixel each", {1, 64}, {1, 2, 8},
+            [](auto& q) -> auto& { return q.maxFootprint; }, "points"),
         number(
-            "footprint_scale", "", "points: width of the square over what closes the holes within one surface",
-            {0.1, 10}, {0.8, 1.25}, [](auto& q) -> auto& { return q.footprintScale; }),
+            "footprint_scale", "", "width of the square over what closes the holes within one surface", {0.1, 10},
+            {0.8, 1.25}, [](auto& q) -> auto& { return q.footprintScale; }, "points"),
         number(
             "hole_radius", "pixels", "pixels that no sample reached are filled from surfaces this far about; 0: never",
             {0, 16}, {0, 1, 8}, [](auto& q) -> auto& { return q.holes.radius; }),
+        number(
+            "hole_same_surface", "", "relative difference in depth up to which a hole's two ends are of one surface",
+            {0, 1}, {0.01, 0.1}, [](auto& q) -> auto& { return q.holes.sameSurface; }),
+        yesOrNo(
+            "show_unseen", "where no image ever looked is shown as unseen, else as emptiness", {false},
+            [](auto& q) -> auto& { return q.showUnseen; }),
+        number(
+            "unseen_pocket", "m", "an eye in unseen space looks through so much of it", {0, 1000}, {0},
+            [](auto& q) -> auto& { return q.unseenPocketMetres; }),
+        number(
+            "blend_baseline", "", "images from farther off than this share of the distance are left out", {0, 100},
+            {0.3}, [](auto& q) -> auto& { return q.blend.baseline; }, "blended"),
+        number(
+            "blend_quarter_baseline", "", "at this share of the distance an image counts a quarter", {1e-4, 10},
+            {0.01, 0.1}, [](auto& q) -> auto& { return q.blend.quarterBaseline; }, "blended"),
+        number(
+            "blend_depth_tolerance", "", "relative difference in depth up to which samples are of one surface", {0, 1},
+            {0.03}, [](auto& q) -> auto& { return q.blend.depthTolerance; }, "blended"),
+        number(
+            "blend_samples_radius", "samples", "radius of a sample's spot", {0.1, 10}, {1.0},
+            [](auto& q) -> auto& { return q.blend.samplesRadius; }, "blended"),
+        number(
+            "blend_pixels_radius", "pixels", "what a spot is widened by", {0.1, 10}, {0.5},
+            [](auto& q) -> auto& { return q.blend.pixelsRadius; }, "blended"),
     };
 }
 

@@ -20,6 +20,7 @@ struct Knob {
     std::string does;                  ///< for help
     std::string values;                ///< what it takes, in words: "a whole number of 1 to 64"
     std::vector<nlohmann::json> tried; ///< what `measure` tries of it
+    std::string warp;                  ///< the only one that it matters to; empty: to all
     std::vector<std::string> names;    ///< what it takes where it takes names
     std::function<nlohmann::json(const render::Quality&)> get;
     /// False, and quality as it was, if the knob does not take that value.

@@ -50,6 +50,9 @@ void renderScene(const RenderOptions& options) {
     const render::Device device;
     const render::GpuScene gpuScene(device, scene.blocks);
 
+    std::optional<render::GpuCoverage> coverage;
+    if (scene.coverage && quality.showUnseen) coverage.emplace(device, *scene.coverage);
+
     std::error_code error;
     std::filesystem::create_directories(options.out, error);
     if (error)
@@ -63,7 +66,8 @@ void renderScene(const RenderOptions& options) {
     for (const NamedView& view : views) {
         if (!renderer || view.camera.width != drawn.width || view.camera.height != drawn.height) {
             renderer.reset();
-            renderer.emplace(device, gpuScene, view.camera.width, view.camera.height, eyes);
+            renderer.emplace(device, gpuScene, view.camera.width, view.camera.height, eyes,
+                             coverage ? &*coverage : nullptr);
         }
         drawn = view.camera;
         std::vector<scene::View> eyeViews{{view.camera, view.worldFromCamera}};
@@ -92,6 +96,7 @@ void renderScene(const RenderOptions& options) {
                             {"eyes", eyes},
                             {"ipd_m", options.draw.eyeDistanceMetres}};
     settings.update(toJson(quality));
+    settings["shows_unseen"] = coverage.has_value();
     writeWhole(options.out / "report.json",
                report.summarise(device, gpuScene, settings)
                        .dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + // paths need not be UTF-8

@@ -103,6 +103,8 @@ bool Walk::isAskedToEnd() const {
 Walk::Walk(const scene::Scene& scene, const WalkOptions& options, DeskSide* deskSide)
     : scene_(scene), options_(options), deskSide_(deskSide), knobs_(knobsOf(options)),
       worldFromWalk_(inverse(scene.walkFromWorld)), record_(options) {
+    if (options.framesPerSecond > 0 && options.holdsRate.value_or(!options.isHeadless))
+        governed_.emplace(options.framesPerSecond);
     if (!options.path.empty()) path_ = pathOf(options.path, scene.walkFromWorld);
     if (!options.isHeadless) {
         start_ = readStartOf(scene);
@@ -227,6 +229,7 @@ void Walk::drawFrame(WalkStage& stage, xr::ViewSource& source, const xr::Frame& 
     const auto start = std::chrono::steady_clock::now();
     draw(stage, source, frame);
     source.end(frame);
+    if (governed_) governed_->tell(stats_, stage.device().isProcessor());
     const std::chrono::duration<double, std::milli> passed = std::chrono::steady_clock::now() - start;
     report_.add(stats_, passed.count());
     ++frame_;
@@ -420,7 +423,8 @@ void Walk::draw(WalkStage& stage, xr::ViewSource& source, const xr::Frame& frame
     }
     if (isDesk(source) || (deskSide_ != nullptr && deskSide_->desk.wantsPicture())) renderer.keepNext();
     fillOverlay(source);
-    stats_ = renderer.draw(std::span(views).first(eyes), knobs_.quality, std::span(outputs).first(eyes), &overlay_);
+    const render::Quality& quality = governed_ ? governed_->next(knobs_.quality, renderer.frames()) : knobs_.quality;
+    stats_ = renderer.draw(std::span(views).first(eyes), quality, std::span(outputs).first(eyes), &overlay_);
     if (deskSide_ != nullptr) mirror(renderer, isDesk(source), frame);
 
     if (!record_.wantsPicture(static_cast<int>(frame_))) return;
@@ -443,6 +447,7 @@ void Walk::mirror(render::Renderer& renderer, bool isAtDesk, const xr::Frame& fr
     facts_.isAtDesk = isAtDesk;
     facts_.isTracked = frame.isTracked;
     facts_.stats = stats_;
+    facts_.given = governed_ ? governed_->given() : "";
     facts_.speed = input::speedOf(locomotion_, knobs_.settings.locomotion);
     facts_.scale = locomotion_.rig.scale;
     deskSide_->desk.tell(facts_);
@@ -457,6 +462,7 @@ json Walk::reportOf(const WalkStage& stage) const {
                   {"hidden_share", stage.hiddenShares()},
                   {"eyes", xr::kEyes}};
     settings.update(toJson(knobs_.quality));
+    if (governed_) settings["governor"] = governed_->report();
     return report_.summarise(stage.device(), stage.gpuScene(), std::move(settings));
 }
 

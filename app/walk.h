@@ -4,6 +4,7 @@
 
 #include "app/annotate.h"
 #include "app/desk.h"
+#include "app/governed_quality.h"
 #include "app/walk_record.h"
 #include "app/walk_stage.h"
 
@@ -85,6 +86,7 @@ class Walk {
     FrameReport report_;
     nlohmann::json lastReport_;
     render::FrameStats stats_;
+    std::optional<GovernedQuality> governed_;
     render::Overlay overlay_;
     std::array<std::string, input::kHands> controllers_;
     int framesWithoutController_ = 0;

@@ -6,6 +6,7 @@
 #include "input/settings.h"
 
 #include <filesystem>
+#include <optional>
 
 namespace app {
 
@@ -20,6 +21,9 @@ struct WalkOptions {
     int frames = 0;                ///< ends after so many; 0: when the path or the walker ends
     int width = 640, height = 480; ///< headless; a headset has its own
     double framesPerSecond = 0;    ///< 0: as the headset has it; headless, along the path, 90
+    /// Gives up quality where framesPerSecond is not held. Headless only when asked: what is drawn would hang on how
+    /// busy the machine is.
+    std::optional<bool> holdsRate;
     DrawOptions draw;
     input::Settings settings;
 };

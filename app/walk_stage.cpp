@@ -25,6 +25,7 @@ render::DeviceMaker makerOf(const xr::Runtime& runtime) {
 void WalkStage::makeDevice(const scene::Scene& scene, const render::DeviceMaker& maker) {
     device_ = std::make_unique<render::Device>(maker);
     gpuScene_ = std::make_unique<render::GpuScene>(*device_, scene.blocks);
+    if (scene.coverage) coverage_ = std::make_unique<render::GpuCoverage>(*device_, *scene.coverage);
 }
 
 WalkStage WalkStage::inHeadset(const scene::Scene& scene, std::unique_ptr<xr::Runtime> runtime) {
@@ -71,7 +72,8 @@ render::Renderer& WalkStage::rendererFor(const xr::ViewSource& source) {
         renderer->eyes() == source.eyes())
         return *renderer;
     renderer.reset(); // before the new one takes as much memory
-    renderer = std::make_unique<render::Renderer>(*device_, *gpuScene_, source.width(), source.height(), source.eyes());
+    renderer = std::make_unique<render::Renderer>(*device_, *gpuScene_, source.width(), source.height(), source.eyes(),
+                                                  coverage_.get());
     return *renderer;
 }
 

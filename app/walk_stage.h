@@ -51,6 +51,7 @@ class WalkStage {
     std::unique_ptr<xr::Runtime> runtime_;
     std::unique_ptr<render::Device> device_;
     std::unique_ptr<render::GpuScene> gpuScene_;
+    std::unique_ptr<render::GpuCoverage> coverage_; ///< null if the scene has none
     std::unique_ptr<xr::Headset> headset_;
     std::unique_ptr<input::Actions> actions_;
     std::unique_ptr<xr::Headless> headless_;

@@ -25,24 +25,24 @@ bool mayCount(const TilePiece& piece, const glm::dvec3& eyeFromCamera, const sce
 } // namespace
 
 void buildBlendList(std::span<const ResidentTile> tiles, const TileBounds& bounds, std::span<const TilePiece> pieces,
-                    std::span<const glm::dmat4> eyeImagesFromSources, std::span<const glm::dvec3> eyeFromCameras,
-                    const VisibleTiles& visible, const scene::BlendOptions& options, std::span<BlendDraw> draws,
-                    BlendList& list) {
-    const float unit = scene::blendUnitOf(eyeImagesFromSources.size());
+                    std::span<const SourceView> sources, const VisibleTiles& visible,
+                    const scene::BlendOptions& options, std::span<BlendDraw> draws, BlendList& list) {
+    const float unit = scene::blendUnitOf(sources.size());
     // Every piece chooses in its own part of the scratch arrays; then the parts are put together in order.
     list.numbers.resize(tiles.size());
     list.spots.resize(tiles.size());
     list.counts.assign(pieces.size(), 0);
     tbb::parallel_for(std::size_t{0}, pieces.size(), [&](std::size_t p) {
         const TilePiece& piece = pieces[p];
-        const glm::dvec3& eyeFromCamera = eyeFromCameras[piece.image];
+        if (piece.image >= sources.size()) return; // a coarser level
+        const glm::dvec3& eyeFromCamera = sources[piece.image].eyeFromCamera;
         if (!mayCount(piece, eyeFromCamera, options)) return;
         for (std::uint32_t i = 0; i < visible.counts[p]; ++i) {
             const std::uint32_t number = visible.slots[piece.first + i];
             const ResidentTile& tile = tiles[number];
             if (tile.pointCount == 0) continue;
-            const auto spot = scene::blendSpotOf(eyeImagesFromSources[tile.image], boxOf(bounds, number), tile.middle,
-                                                 eyeFromCamera, options);
+            const auto spot = scene::blendSpotOf(sources[tile.image].eyeImageFromSource, boxOf(bounds, number),
+                                                 tile.middle, eyeFromCamera, options);
             if (!spot || unit * spot->weight < 0.5f) continue; // would count nothing anywhere
             const std::uint32_t place = piece.first + list.counts[p]++;
             list.numbers[place] = number;
@@ -72,7 +72,7 @@ void buildBlendList(std::span<const ResidentTile> tiles, const TileBounds& bound
             const ResidentTile& tile = tiles[list.numbers[i]];
             const scene::BlendSpot& spot = list.spots[i];
             BlendDraw draw;
-            draw.tile = tileDrawOf(eyeImagesFromSources[tile.image], tile);
+            draw.tile = tileDrawOf(sources[tile.image].eyeImageFromSource, tile);
             draw.tile.span.y = tile.firstVertex;
             draw.tile.span.z = tile.pointCount;
             draw.spot = vec4(spot.xx, spot.xy, spot.yy, unit * spot.weight);

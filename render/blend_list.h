@@ -21,10 +21,9 @@ struct BlendList {
     std::vector<std::uint32_t> counts;
 };
 
-/// As buildDrawList. images: of the scene; eyeImagesFromSources and eyeFromCameras have one of each.
+/// As buildDrawList. sources: one for each captured image; coarser levels are left out.
 void buildBlendList(std::span<const ResidentTile> tiles, const TileBounds& bounds, std::span<const TilePiece> pieces,
-                    std::span<const glm::dmat4> eyeImagesFromSources, std::span<const glm::dvec3> eyeFromCameras,
-                    const VisibleTiles& visible, const scene::BlendOptions& options, std::span<BlendDraw> draws,
-                    BlendList& list);
+                    std::span<const SourceView> sources, const VisibleTiles& visible,
+                    const scene::BlendOptions& options, std::span<BlendDraw> draws, BlendList& list);
 
 } // namespace render

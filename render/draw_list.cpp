@@ -1,5 +1,6 @@
 #include "render/draw_list.h"
 
+#include "render/shaders/shared/detail.h"
 #include "render/shaders/shared/z_key.h"
 #include "scene/footprint.h"
 
@@ -8,7 +9,10 @@
 
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
+#include <optional>
 
 namespace render {
 
@@ -16,10 +20,27 @@ namespace {
 
 constexpr std::size_t kDrawsPerTask = 512;
 
+constexpr double kRounding = 1 + 1e-4; ///< what single precision may make of a measure
+
 constexpr double kAnywhere = std::numeric_limits<double>::infinity();
 
+/// What draws a tile: for the adaptive mesh its squares where it has no facets; scraps are points, since hardly any of
+/// their squares has a neighbour.
+Warp warpOf(const ResidentTile& tile, Warp wanted) {
+    if (wanted != Warp::adaptive || tile.facetCount > 0) return wanted;
+    return tile.placeBits == scene::kScrapPlaceBits ? Warp::points : Warp::mesh;
+}
+
 std::uint32_t itemsOf(const ResidentTile& tile, Warp warp) {
-    return warp == Warp::mesh ? tile.quadCount : tile.pointCount;
+    switch (warpOf(tile, warp)) {
+    case Warp::points:
+    case Warp::splats:
+        return tile.pointCount;
+    case Warp::mesh:
+        return tile.quadCount;
+    default:
+        return tile.facetCount;
+    }
 }
 
 uint classOf(const ResidentTile& tile) {
@@ -33,6 +54,33 @@ scene::SampleBox boxOf(const TileBounds& bounds, std::uint32_t i) {
 std::uint32_t footprintOf(const glm::dmat4& c, const TileBounds& bounds, std::uint32_t i, const Quality& quality) {
     return static_cast<std::uint32_t>(
         scene::footprintOf(c, boxOf(bounds, i), quality.footprintScale, quality.maxFootprint));
+}
+
+/// Whether coarser levels are asked for. The mesh is all of what was sampled.
+bool hasDetail(const Quality& quality) {
+    return quality.samplePixels > 0 && quality.warp != Warp::mesh;
+}
+
+/// detail of a TileDraw (shared/detail.h); nothing if no sample of the tile can be drawn.
+std::optional<vec4> detailOf(const glm::dmat4& c, const SourceView& source, const TileBounds& bounds, std::uint32_t i,
+                             double samplePixels) {
+    // w is affine in (x, y, d): its extremes stand in corners of the box.
+    const auto along = [](double slope, float low, float high) {
+        return std::minmax(slope * static_cast<double>(low), slope * static_cast<double>(high));
+    };
+    const auto x = along(c[0].z, bounds.xMin[i], bounds.xMax[i]), y = along(c[1].z, bounds.yMin[i], bounds.yMax[i]),
+               d = along(c[3].z, bounds.dMin[i], bounds.dMax[i]);
+    const double perW = samplePixels / source.pixelsPerSample;
+    const double least = perW * (x.first + y.first + c[2].z + d.first),
+                 most = perW * (x.second + y.second + c[2].z + d.second);
+    const double overlap = static_cast<double>(kDetailOverlap), whole = 1 + static_cast<double>(kDetailBand);
+    const bool isFinest = source.level == 0;
+    if (!isFinest && most * (1 + overlap) * kRounding <= 1) return std::nullopt;
+    if (source.hasCoarser && least * (0.5 - 0.5 * overlap) >= whole * kRounding) return std::nullopt;
+    const bool isWanted = isFinest || least * (1 + overlap) >= whole * kRounding;
+    const bool isReplaced = source.hasCoarser && most * (0.5 - 0.5 * overlap) * kRounding > 1;
+    if (isWanted && !isReplaced) return vec4(0);
+    return vec4(static_cast<float>(perW), isFinest ? 0.0f : 1.0f, source.hasCoarser ? 1.0f : 0.0f, 0.0f);
 }
 
 } // namespace
@@ -51,68 +99,108 @@ TileDraw tileDrawOf(const glm::dmat4& c, const ResidentTile& tile, int orderLeve
     draw.perY = glm::vec4(hOf({0, 1, 0, 0}));
     draw.perQ = glm::vec4(hOf({0, 0, 0, step}));
     draw.span = {tile.firstVertex, 0, 0, packMark(static_cast<uint>(orderLevel), classOf(tile), tile.placeBits, 1)};
+    draw.source = {static_cast<uint>(tile.x0), static_cast<uint>(tile.y0), tile.texelsInRow << 8, 0};
+    draw.detail = vec4(0);
     return draw;
 }
 
+std::vector<SourceView> sourceViewsOf(std::span<const ResidentImage> images, const scene::View& eye,
+                                      const Quality& quality) {
+    std::vector<SourceView> views;
+    for (const ResidentImage& image : images) {
+        SourceView view;
+        view.eyeImageFromSource = scene::eyeImageFromSourceImage(eye, image.camera, image.worldFromCamera);
+        view.eyeFromCamera = eye.worldFromEye.translation - image.worldFromCamera.translation;
+        view.pixelsPerSample = std::sqrt(eye.camera.fx * eye.camera.fy / (image.camera.fx * image.camera.fy));
+        view.captured = image.captured, view.level = image.level, view.hasCoarser = image.hasCoarser;
+        view.isNear = glm::length(view.eyeFromCamera) <=
+                      2 * static_cast<double>(quality.preference.nearBaseline) * image.middleReach;
+        views.push_back(view);
+    }
+    return views;
+}
+
 void buildDrawList(std::span<const ResidentTile> tiles, const TileBounds& bounds, std::span<const TilePiece> pieces,
-                   std::span<const glm::dmat4> eyeImagesFromSources, std::span<const glm::dvec3> eyeFromCameras,
-                   const VisibleTiles& visible, const Quality& quality, std::span<TileDraw> draws, DrawList& list) {
+                   std::span<const SourceView> sources, const VisibleTiles& visible, const Quality& quality,
+                   std::span<TileDraw> draws, DrawList& list) {
+    const bool isDetailed = hasDetail(quality);
+    const auto samplePixelsOf = [&](const SourceView& source, const ResidentTile& tile) {
+        const bool isFar = tile.middle.tier == scene::Tier::base && !source.isNear;
+        return isFar ? std::max(quality.samplePixels, quality.farSamplePixels) : quality.samplePixels;
+    };
     // Every piece chooses in its own part of the scratch arrays; then the parts are put together in order.
-    list.numbers.resize(tiles.size());
-    list.levels.resize(tiles.size());
+    list.chosen.resize(tiles.size());
     list.counts.assign(pieces.size(), 0);
     tbb::parallel_for(std::size_t{0}, pieces.size(), [&](std::size_t p) {
         const TilePiece& piece = pieces[p];
-        const glm::dvec3& eyeFromCamera = eyeFromCameras[piece.image];
+        const SourceView& source = sources[piece.image];
+        if (!isDetailed && source.level > 0) return;
         if (piece.reachMetres < kAnywhere &&
-            !scene::mayBeNear(glm::length(eyeFromCamera), piece.reachMetres, quality.preference))
+            !scene::mayBeNear(glm::length(source.eyeFromCamera), piece.reachMetres, quality.preference))
             return;
         for (std::uint32_t i = 0; i < visible.counts[p]; ++i) {
             const std::uint32_t number = visible.slots[piece.first + i];
             const ResidentTile& tile = tiles[number];
             if (itemsOf(tile, quality.warp) == 0) continue;
-            const auto level = scene::orderLevelOf(tile.middle, eyeFromCamera, quality.preference);
+            const auto level = scene::orderLevelOf(tile.middle, source.eyeFromCamera, quality.preference);
             if (!level) continue;
-            const std::uint32_t place = piece.first + list.counts[p]++;
-            list.numbers[place] = number;
+            std::optional<vec4> detail = vec4(0);
+            if (isDetailed)
+                detail = detailOf(source.eyeImageFromSource, source, bounds, number, samplePixelsOf(source, tile));
+            if (!detail) continue;
             const bool isByArea = quality.preference.areaLevels > 0;
-            const double area =
-                isByArea ? scene::sampleAreaInEye(eyeImagesFromSources[tile.image], boxOf(bounds, number)) : 0;
-            list.levels[place] = static_cast<std::uint8_t>(scene::withArea(*level, area, quality.preference));
+            const double area = isByArea ? scene::sampleAreaInEye(source.eyeImageFromSource, boxOf(bounds, number)) : 0;
+            const int pushed = scene::withArea(*level, area, quality.preference);
+            list.chosen[piece.first + list.counts[p]++] = {number, static_cast<std::uint32_t>(pushed),
+                                                           warpOf(tile, quality.warp), *detail};
         }
     });
 
+    // What is likely seen comes first, so that the rest finds itself hidden early.
     list.runs.clear();
+    list.order.clear();
     list.items = 0;
-    list.tiles = 0;
-    for (std::size_t p = 0; p < pieces.size(); ++p)
-        for (std::uint32_t i = 0; i < list.counts[p]; ++i) {
-            const std::uint32_t place = pieces[p].first + i, number = list.numbers[place];
-            const ResidentTile& tile = tiles[number];
-            if (list.runs.empty() || list.runs.back().page != tile.page)
-                list.runs.push_back({tile.page, list.tiles, 0});
-            ++list.runs.back().count;
-            list.items += itemsOf(tile, quality.warp);
-            list.numbers[list.tiles] = number;
-            list.levels[list.tiles] = list.levels[place];
-            ++list.tiles;
-        }
+    for (const bool isFar : {false, true})
+        for (const Warp warp : {Warp::adaptive, Warp::mesh, Warp::points, Warp::splats})
+            for (std::size_t p = 0; p < pieces.size(); ++p)
+                for (std::uint32_t i = 0; i < list.counts[p]; ++i) {
+                    const std::uint32_t place = pieces[p].first + i;
+                    const DrawList::Chosen& chosen = list.chosen[place];
+                    if (chosen.warp != warp || (chosen.orderLevel == scene::kMaxOrderLevel) != isFar) continue;
+                    const ResidentTile& tile = tiles[chosen.tile];
+                    if (list.runs.empty() || list.runs.back().page != tile.page || list.runs.back().warp != warp)
+                        list.runs.push_back({tile.page, static_cast<std::uint32_t>(list.order.size()), 0, warp});
+                    ++list.runs.back().count;
+                    list.items += itemsOf(tile, quality.warp);
+                    list.order.push_back(place);
+                }
+    list.tiles = static_cast<std::uint32_t>(list.order.size());
 
     const tbb::blocked_range<std::size_t> all(0, list.tiles, kDrawsPerTask);
     tbb::parallel_for(all, [&](const tbb::blocked_range<std::size_t>& range) {
         for (std::size_t i = range.begin(); i < range.end(); ++i) {
-            const std::uint32_t number = list.numbers[i];
-            const ResidentTile& tile = tiles[number];
-            const glm::dmat4& c = eyeImagesFromSources[tile.image];
-            const int level = list.levels[i];
-            TileDraw draw = tileDrawOf(c, tile, level);
+            const DrawList::Chosen& chosen = list.chosen[list.order[i]];
+            const ResidentTile& tile = tiles[chosen.tile];
+            const SourceView& source = sources[tile.image];
+            TileDraw draw = tileDrawOf(source.eyeImageFromSource, tile, static_cast<int>(chosen.orderLevel));
             draw.span.z = itemsOf(tile, quality.warp);
-            draw.span.y = quality.warp == Warp::mesh ? tile.firstQuad : tile.firstVertex;
-            if (quality.warp == Warp::splats)
-                draw.span.x = glm::floatBitsToUint(
-                    scene::splatRadiusOf(c, boxOf(bounds, number), quality.splatScale, quality.maxSplat));
-            const std::uint32_t footprint = quality.warp == Warp::points ? footprintOf(c, bounds, number, quality) : 1;
-            draw.span.w = packMark(static_cast<uint>(level), classOf(tile), tile.placeBits, footprint);
+            std::uint32_t footprint = 1;
+            if (chosen.warp == Warp::points) {
+                draw.span.y = tile.firstVertex;
+                footprint = footprintOf(source.eyeImageFromSource, bounds, chosen.tile, quality);
+            } else if (chosen.warp == Warp::splats) {
+                draw.span.x = floatBitsToUint(scene::splatRadiusOf(
+                    source.eyeImageFromSource, boxOf(bounds, chosen.tile), quality.splatScale, quality.maxSplat));
+                draw.span.y = tile.firstVertex;
+            } else if (chosen.warp == Warp::mesh) {
+                draw.span.y = tile.firstQuad;
+            } else {
+                draw.span.x = tile.firstTexel, draw.span.y = tile.firstFacet;
+            }
+            draw.span.w = packMark(chosen.orderLevel, classOf(tile), tile.placeBits, footprint);
+            draw.source.z |= source.level;
+            draw.source.w = source.captured;
+            draw.detail = chosen.detail;
             draws[i] = draw;
         }
     });

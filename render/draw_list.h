@@ -12,19 +12,37 @@
 
 namespace render {
 
-/// Consecutive draws from one page.
+/// How an eye stands to an image of the scene, or to a coarser level of one.
+struct SourceView {
+    glm::dmat4 eyeImageFromSource{1.0}; ///< C
+    glm::dvec3 eyeFromCamera{0};        ///< how far the eye stands from the camera, metres in the world
+    double pixelsPerSample = 1;         ///< how wide the eye sees a sample from where it was taken
+    std::uint32_t captured = 0, level = 0;
+    bool hasCoarser = false;
+    bool isNear = true; ///< the camera stands near the eye, by what it mostly sees: all levels of an image alike
+};
+
+std::vector<SourceView> sourceViewsOf(std::span<const ResidentImage> images, const scene::View& eye,
+                                      const Quality& quality);
+
+/// Consecutive draws from one page by one shader.
 struct DrawRun {
     std::uint32_t page = 0, first = 0, count = 0;
+    Warp warp = Warp::points;
 };
 
 struct DrawList {
     std::vector<DrawRun> runs;
     std::uint32_t tiles = 0;
-    std::uint64_t items = 0; ///< samples (points) or mesh squares
-    /// Scratch, kept from frame to frame: the tiles to draw, their order levels, how many of each piece.
-    std::vector<std::uint32_t> numbers;
-    std::vector<std::uint8_t> levels;
-    std::vector<std::uint32_t> counts;
+    std::uint64_t items = 0; ///< samples (points), mesh squares or facets
+    /// Scratch, kept from frame to frame: the tiles to draw, by piece; how many of each; and in which order.
+    struct Chosen {
+        std::uint32_t tile = 0, orderLevel = 0;
+        Warp warp = Warp::points;
+        vec4 detail{0};
+    };
+    std::vector<Chosen> chosen;
+    std::vector<std::uint32_t> counts, order;
 };
 
 /// What the warp of this tile needs, at an order level (scene/preference.h). C is multiplied out in double precision
@@ -32,10 +50,9 @@ struct DrawList {
 TileDraw tileDrawOf(const glm::dmat4& eyeImageFromSource, const ResidentTile& tile, int orderLevel = 0);
 
 /// Builds the list of all tiles that have items for this warp, and writes draws (room for all tiles of the
-/// scene). eyeImagesFromSources: one C per image; eyeFromCameras: how far
-/// the eye stands from the image's camera, metres in the world. The same bytes on any number of threads.
+/// scene). sources: one for each of the scene's images. The same bytes on any number of threads.
 void buildDrawList(std::span<const ResidentTile> tiles, const TileBounds& bounds, std::span<const TilePiece> pieces,
-                   std::span<const glm::dmat4> eyeImagesFromSources, std::span<const glm::dvec3> eyeFromCameras,
-                   const VisibleTiles& visible, const Quality& quality, std::span<TileDraw> draws, DrawList& list);
+                   std::span<const SourceView> sources, const VisibleTiles& visible, const Quality& quality,
+                   std::span<TileDraw> draws, DrawList& list);
 
 } // namespace render

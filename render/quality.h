@@ -8,9 +8,10 @@
 namespace render {
 
 enum class Warp {
-    points, ///< each sample a square of pixels
-    mesh,   ///< two triangles in each square of four samples
-    splats  ///< each sample a circle whose depth falls off from its centre
+    points,  ///< each sample a square of pixels
+    mesh,    ///< two triangles in each square of four samples
+    splats,  ///< each sample a circle whose depth falls off from its centre
+    adaptive ///< a textured facet wherever samples lie in a plane (scene/facets.h), squares elsewhere
 };
 
 inline constexpr double kMinResolutionScale = 0.1, kMaxResolutionScale = 4;
@@ -34,14 +35,23 @@ struct Quality {
     /// the nearest in plain z order.
     scene::PreferenceOptions preference{.nearBaseline = 0};
 
+    /// Points and adaptive: coarser samples (scene/pyramid.h) stand for finer ones where they are seen no wider than
+    /// this, pixels. 0: all that was sampled is drawn.
+    double samplePixels = 0;
+
+    /// The same for base samples of images that were taken from far away, which are seen only where nobody stood near.
+    double farSamplePixels = 0;
+
     /// Where no image ever looked is shown as unseen, in a scene that knows (GpuCoverage). False: as emptiness.
     bool showUnseen = true;
 
     /// An eye that stands in unseen space itself looks through as much of it, metres of depth; 0: through none.
     double unseenPocketMetres = 1;
-    /// Pixels that no sample reached, between two ends of one surface, are filled from as far as this. Off unless asked
-    /// for, as the preference is.
-    HoleFill holes{.radius = 0, .sameSurface = 0.03f, .sameColour = 255, .pinholeDepth = 0};
+
+    /// Pixels that no sample reached, between two ends of one surface, are filled from as far as the radius. Off unless
+    /// asked for, as the preference is.
+    HoleFill holes{.radius = 0, .sameSurface = 0.03f, .sameColour = 64, .pinholeDepth = 0.05f};
+
     /// Pixels along a side of what the scene is warped into, over those of the eye's picture. Below 1 it is faster and
     /// softer; above 1 each pixel is the mean of several (supersampling), which smooths edges.
     double resolutionScale = 1.0;

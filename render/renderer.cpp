@@ -1,7 +1,5 @@
 #include "render/renderer.h"
 
-#include "spirv/resolve.comp.h"
-
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -13,9 +11,9 @@ namespace {
 
 /// How far outside the image a sample may stand and still touch it.
 double marginOf(const Quality& quality) {
-    const double margin = quality.warp == Warp::points   ? 0.5 * quality.maxFootprint + 1.0
-                          : quality.warp == Warp::splats ? quality.maxSplat + 1.0
-                                                         : 1.0;
+    const double margin = quality.warp == Warp::splats ? quality.maxSplat + 1.0
+                          : quality.warp != Warp::mesh ? 0.5 * quality.maxFootprint + 1.0
+                                                       : 1.0;
     return quality.isBlended ? std::max(margin, static_cast<double>(quality.blend.maxRadius) + 1.0) : margin;
 }
 
@@ -34,10 +32,6 @@ constexpr Barrier kBetweenPictures{kCompute, kWrite, kCompute, kRead | kWrite};
 constexpr Barrier kAfterKeeping{kTransfer, VK_ACCESS_TRANSFER_WRITE_BIT, VK_PIPELINE_STAGE_HOST_BIT,
                                 VK_ACCESS_HOST_READ_BIT};
 
-std::uint32_t resolveWorkgroupSize(const Device& device) {
-    return device.isProcessor() ? static_cast<std::uint32_t>(device.subgroupSize()) : 128;
-}
-
 } // namespace
 
 Renderer::Renderer(const Device& device, const GpuScene& scene, int width, int height, int eyes,
@@ -45,10 +39,9 @@ Renderer::Renderer(const Device& device, const GpuScene& scene, int width, int h
     : device_(device), scene_(scene), width_(width), height_(height),
       eyeLayout_(makeEyeLayout(device)), warps_{makeWarpPass(device, Warp::points, scene.pageLayout(), eyeLayout_),
                                                 makeWarpPass(device, Warp::mesh, scene.pageLayout(), eyeLayout_),
-                                                makeWarpPass(device, Warp::splats, scene.pageLayout(), eyeLayout_)},
-      blend_(makeBlendPass(device, scene.pageLayout(), eyeLayout_)),
-      resolve_(makeComputePipeline(device, kResolveCode, std::array<VkDescriptorSetLayout, 1>{eyeLayout_},
-                                   sizeof(ResolveConstants), std::array{resolveWorkgroupSize(device)})),
+                                                makeWarpPass(device, Warp::splats, scene.pageLayout(), eyeLayout_),
+                                                makeWarpPass(device, Warp::adaptive, scene.pageLayout(), eyeLayout_)},
+      blend_(makeBlendPass(device, scene.pageLayout(), eyeLayout_)), resolve_(makeResolvePass(device, eyeLayout_)),
       rescale_(makeRescalePass(device)), depthPass_(makeDepthPass(device)),
       overlay_(makeOverlayPass(device, eyeLayout_)), coverage_(coverage),
       unseen_(coverage != nullptr ? makeUnseenPipeline(device, *coverage, eyeLayout_) : ComputePipeline{}),
@@ -72,7 +65,6 @@ FrameStats Renderer::draw(std::span<const scene::View> views, const Quality& qua
     }
 
     chooseResolution(quality);
-    makeRoomToBlend(quality);
     tbb::parallel_for(std::size_t{0}, eyes_.size(), [&](std::size_t i) {
         const int index = static_cast<int>(i);
         prepare(eyes_[i], views[i], quality, slot, index);
@@ -103,19 +95,6 @@ FrameStats Renderer::draw(std::span<const scene::View> views, const Quality& qua
     return stats;
 }
 
-void Renderer::makeRoomToBlend(const Quality& quality) {
-    if (!quality.isBlended) return;
-    for (Eye& eye : eyes_) {
-        const std::size_t room = static_cast<std::size_t>(std::max(eye.warpWidth, width_)) *
-                                 static_cast<std::size_t>(std::max(eye.warpHeight, height_));
-        if (eye.blend && eye.blend->pixels >= room) continue;
-        for (std::size_t slot = 0; slot < kFramesInFlight; ++slot)
-            streams_.wait(slot); // the one that goes may be in use
-        eye.blend.reset();
-        eye.blend = makeBlendTarget(device_, blend_, room, scene_.tiles().size());
-    }
-}
-
 void Renderer::chooseResolution(const Quality& quality) {
     assert(quality.resolutionScale >= kMinResolutionScale && quality.resolutionScale <= kMaxResolutionScale);
     const int width = scaledSide(width_, quality.resolutionScale),
@@ -126,6 +105,12 @@ void Renderer::chooseResolution(const Quality& quality) {
     const bool isScaled = width != width_ || height != height_;
     for (Eye& eye : eyes_) {
         eye.isScaled = isScaled, eye.warpWidth = width, eye.warpHeight = height;
+        if (quality.isBlended && (!eye.blend || eye.blend->pixels < room)) {
+            for (std::size_t slot = 0; slot < kFramesInFlight; ++slot)
+                streams_.wait(slot); // the one that goes may be in use
+            eye.blend.reset();
+            eye.blend = makeBlendTarget(device_, blend_, room, scene_.tiles().size());
+        }
         if (!isScaled || (eye.scaled && eye.scaled->pixels >= room)) continue;
         for (std::size_t slot = 0; slot < kFramesInFlight; ++slot)
             streams_.wait(slot); // the one that goes may be in use
@@ -140,24 +125,20 @@ void Renderer::prepare(Eye& eye, const scene::View& given, const Quality& qualit
     const scene::View view{scene::resized(given.camera, eye.warpWidth, eye.warpHeight), given.worldFromEye};
     eye.times.clear();
     timed(eye.times, "cull", index, [&] {
-        eye.eyeImagesFromSources.clear();
-        eye.eyeFromCameras.clear();
+        eye.sources = sourceViewsOf(scene_.images(), view, quality);
         eye.planes.clear();
-        for (const ResidentImage& image : scene_.images()) {
-            const glm::dmat4 c = scene::eyeImageFromSourceImage(view, image.camera, image.worldFromCamera);
-            eye.eyeImagesFromSources.push_back(c);
-            eye.eyeFromCameras.push_back(view.worldFromEye.translation - image.worldFromCamera.translation);
-            eye.planes.push_back(planesOf(c, eye.warpWidth, eye.warpHeight, marginOf(quality), image.extent));
-        }
+        for (std::size_t i = 0; i < eye.sources.size(); ++i)
+            eye.planes.push_back(planesOf(eye.sources[i].eyeImageFromSource, eye.warpWidth, eye.warpHeight,
+                                          marginOf(quality), scene_.images()[i].extent));
         cull(scene_.bounds(), scene_.pieces(), eye.planes, eye.visible);
     });
     timed(eye.times, "list", index, [&] {
-        buildDrawList(scene_.tiles(), scene_.bounds(), scene_.pieces(), eye.eyeImagesFromSources, eye.eyeFromCameras,
-                      eye.visible, quality, eye.warped().draws[slot].as<TileDraw>(), eye.list);
-        if (quality.isBlended)
-            buildBlendList(scene_.tiles(), scene_.bounds(), scene_.pieces(), eye.eyeImagesFromSources,
-                           eye.eyeFromCameras, eye.visible, quality.blend, eye.blend->draws[slot].as<BlendDraw>(),
-                           eye.blendList);
+        buildDrawList(scene_.tiles(), scene_.bounds(), scene_.pieces(), eye.sources, eye.visible, quality,
+                      eye.warped().draws[slot].as<TileDraw>(), eye.list);
+        if (!quality.isBlended) return;
+        buildBlendList(scene_.tiles(), scene_.bounds(), scene_.pieces(),
+                       std::span<const SourceView>(eye.sources).first(scene_.capturedImages()), eye.visible,
+                       quality.blend, eye.blend->draws[slot].as<BlendDraw>(), eye.blendList);
     });
 }
 
@@ -190,8 +171,7 @@ void Renderer::recordCommands(Eye& eye, const scene::View& view, const Quality& 
         record(commands, kAfterClear);
         timer.mark(commands, "clear");
 
-        const WarpPass& warp = warps_[static_cast<std::size_t>(quality.warp)];
-        recordWarp(commands, warp, scene_, eyeSet, eye.list.runs, eye.warpWidth, eye.warpHeight);
+        recordWarp(commands, warps_, scene_, eyeSet, eye.list.runs, eye.warpWidth, eye.warpHeight);
         record(commands, kAfterWarp);
         timer.mark(commands, "warp");
 
@@ -202,7 +182,7 @@ void Renderer::recordCommands(Eye& eye, const scene::View& view, const Quality& 
             timer.mark(commands, "blend");
         }
 
-        recordResolve(commands, eye, eyeSet, quality.holes);
+        recordResolve(commands, resolve_, eyeSet, eye.warpWidth, eye.warpHeight, quality.holes);
         if (quality.isBlended) {
             record(commands, kBetweenPictures);
             recordBlendResolve(commands, blend_, eyeSet, *eye.blend, slot, eye.warpWidth, eye.warpHeight);
@@ -251,15 +231,6 @@ void Renderer::recordKeeping(VkCommandBuffer commands, Eye& eye, std::size_t slo
     const VkBufferCopy whole{0, 0, colours.size()};
     vkCmdCopyBuffer(commands, colours.handle(), eye.kept[slot].handle(), 1, &whole);
     record(commands, kAfterKeeping);
-}
-
-void Renderer::recordResolve(VkCommandBuffer commands, const Eye& eye, VkDescriptorSet eyeSet,
-                             const HoleFill& holes) const {
-    const ResolveConstants constants{eye.warpWidth, eye.warpHeight, holes};
-    vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, resolve_.pipeline);
-    vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, resolve_.layout, 0, 1, &eyeSet, 0, nullptr);
-    vkCmdPushConstants(commands, resolve_.layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof constants, &constants);
-    vkCmdDispatch(commands, static_cast<std::uint32_t>(eye.warpHeight), 1, 1);
 }
 
 void Renderer::readTimes(std::size_t slot, std::vector<StepTime>& times) const {

@@ -9,6 +9,7 @@
 #include "render/output.h"
 #include "render/overlay_pass.h"
 #include "render/post/rescale.h"
+#include "render/post/resolve_pass.h"
 #include "render/post/unseen.h"
 #include "render/quality.h"
 #include "render/readback.h"
@@ -60,6 +61,8 @@ class Renderer {
     /// Waits for the last frame and tells about it, its own times on the device included.
     FrameStats finish();
 
+    /// Drawn so far: the number of the next one.
+    std::uint64_t frames() const { return frames_; }
     int width() const { return width_; }
     int height() const { return height_; }
     int eyes() const { return static_cast<int>(eyes_.size()); }
@@ -85,8 +88,7 @@ class Renderer {
         /// Where the scene is warped and resolved.
         const EyeTarget& warped() const { return isScaled ? scaled->target : target; }
         std::array<StepTimer, kFramesInFlight> timers;
-        std::vector<glm::dmat4> eyeImagesFromSources{};
-        std::vector<glm::dvec3> eyeFromCameras{};
+        std::vector<SourceView> sources{}; ///< for each of the scene's images
         std::vector<ImagePlanes> planes{};
         VisibleTiles visible{};
         DrawList list{};
@@ -99,22 +101,20 @@ class Renderer {
         std::array<OverlayBuffers, kFramesInFlight> overlayBuffers{}; ///< made when first wanted
     };
     void chooseResolution(const Quality& quality);
-    void makeRoomToBlend(const Quality& quality);
     void prepare(Eye& eye, const scene::View& view, const Quality& quality, std::size_t slot, int index);
     void prepareOverlay(Eye& eye, const scene::View& view, const Overlay& overlay, std::size_t slot, int index);
     void recordCommands(Eye& eye, const scene::View& view, const Quality& quality, const EyeOutput& output,
                         std::size_t slot, int index);
     void recordKeeping(VkCommandBuffer commands, Eye& eye, std::size_t slot) const;
-    void recordResolve(VkCommandBuffer commands, const Eye& eye, VkDescriptorSet eyeSet, const HoleFill& holes) const;
     void readTimes(std::size_t slot, std::vector<StepTime>& times) const;
 
     const Device& device_;
     const GpuScene& scene_;
     int width_, height_;
     DescriptorSetLayout eyeLayout_;
-    std::array<WarpPass, 3> warps_; ///< by Warp
+    WarpPasses warps_;
     BlendPass blend_;
-    ComputePipeline resolve_;
+    ResolvePass resolve_;
     RescalePass rescale_;
     DepthPass depthPass_;
     OverlayPass overlay_;

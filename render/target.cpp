@@ -1,6 +1,7 @@
 #include "render/target.h"
 
 #include "render/device.h"
+#include "render/shaders/shared/hole_fill.h"
 #include "render/shaders/shared/tile_draw.h"
 #include "scene/errors.h"
 
@@ -11,8 +12,8 @@ namespace render {
 
 namespace {
 
-constexpr std::array kEyeBindings{Binding::storage, Binding::storage, Binding::storage, Binding::storage,
-                                  Binding::texels};
+constexpr std::array kEyeBindings{Binding::storage, Binding::storage, Binding::storage,
+                                  Binding::storage, Binding::texels,  Binding::storage};
 
 void requireTexels(const Device& device, std::size_t texels) {
     if (texels <= device.limits().maxTexelBufferElements) return;
@@ -51,6 +52,8 @@ EyeTarget makeEyeTarget(const Device& device, VkDescriptorSetLayout eyeLayout, i
     target.colours = Buffer(device, pixels * sizeof(std::uint32_t), kStorage | VK_BUFFER_USAGE_TRANSFER_SRC_BIT,
                             MemoryUse::hostReads);
     target.depths = Buffer(device, pixels * sizeof(float), kStorage, MemoryUse::hostReads);
+    const auto blocks = static_cast<std::size_t>(holeBlocksAcross(width) * holeBlocksAcross(height));
+    target.holeBlocks = Buffer(device, blocks * sizeof(std::uint32_t), kStorage, MemoryUse::onDevice);
     target.zTexels = makeTexelView(device, target.zBuffer);
     target.pool = makeSetPool(device, kFramesInFlight, kEyeBindings);
     for (std::size_t frame = 0; frame < kFramesInFlight; ++frame) {
@@ -59,7 +62,8 @@ EyeTarget makeEyeTarget(const Device& device, VkDescriptorSetLayout eyeLayout, i
                                                             {target.zBuffer.handle()},
                                                             {target.colours.handle()},
                                                             {target.depths.handle()},
-                                                            {target.zBuffer.handle(), target.zTexels}}};
+                                                            {target.zBuffer.handle(), target.zTexels},
+                                                            {target.holeBlocks.handle()}}};
         target.sets[frame] = allocateSet(device, target.pool, eyeLayout, bound);
     }
     return target;

@@ -13,15 +13,17 @@ namespace render {
 
 inline constexpr int kFramesInFlight = 2;
 
-/// The layout of an eye's set: 0 draws, 1 z-buffer, 2 colours, 3 depths, 4 z-buffer as texels, to be read.
+/// The layout of an eye's set: 0 draws, 1 z-buffer, 2 colours, 3 depths, 4 z-buffer as texels, to be read,
+/// 5 which blocks of it hold anything.
 DescriptorSetLayout makeEyeLayout(const Device& device);
 
 /// One z-buffer and picture serve all frames in flight: they follow one another on the eye's queue. The draw
 /// lists, which the processor writes ahead, do not.
 struct EyeTarget {
-    Buffer zBuffer; ///< 64 bits per pixel, row by row
-    Buffer colours; ///< r | g << 8 | b << 16 | class << 24 per pixel; mapped
-    Buffer depths;  ///< metres along z as float per pixel; mapped
+    Buffer zBuffer;    ///< 64 bits per pixel, row by row
+    Buffer colours;    ///< r | g << 8 | b << 16 | class << 24 per pixel; mapped
+    Buffer depths;     ///< metres along z as float per pixel; mapped
+    Buffer holeBlocks; ///< 1 or 0 per block of pixels: whether it holds anything
     BufferView zTexels;
     std::array<Buffer, kFramesInFlight> draws; ///< TileDraw; mapped
     DescriptorPool pool;

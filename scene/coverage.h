@@ -80,6 +80,8 @@ inline std::uint32_t childRank(std::uint64_t children, int bit) {
     return static_cast<std::uint32_t>(std::popcount(children & (coverageMask(bit) - 1)));
 }
 
+inline constexpr const char* kCoverageFile = "coverage.bin"; ///< in the scene folder
+
 /// Throws Failure if the file cannot be written.
 void writeCoverage(const Coverage& coverage, const std::filesystem::path& path);
 

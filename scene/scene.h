@@ -1,10 +1,12 @@
 #pragma once
 // A scene that was built: its images, how walk space lies in the world, and its tiles, mapped from disk.
 
+#include "scene/coverage.h"
 #include "scene/mapped_file.h"
 #include "scene/tile.h"
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,7 +27,8 @@ struct Scene {
     Pose walkFromWorld;              ///< metres, +Y up, floor at Y = 0, the start at the origin
     std::string manifest;            ///< scene.json as it was written
     MappedFile tilesFile;
-    std::vector<TileBlock> blocks; ///< one for each image, in the same order
+    std::vector<TileBlock> blocks;    ///< one for each image, in the same order
+    std::optional<Coverage> coverage; ///< what was observed; scenes of before have none
 };
 
 /// Walk space for a capture: up is what the cameras hold upright on average (their x axes lie level), the floor is the

@@ -201,7 +201,8 @@ SceneImage readImage(const json& from) {
     return image;
 }
 
-void readManifest(Scene& scene, const std::filesystem::path& path) {
+/// Whether there is a file of coverage beside it.
+bool readManifest(Scene& scene, const std::filesystem::path& path) {
     std::ifstream file(path);
     if (!file) throw Failure("holds no scene.json", scene.folder, "name a folder that 'revisit build' made");
     scene.manifest.assign(std::istreambuf_iterator<char>(file), {});
@@ -220,6 +221,7 @@ void readManifest(Scene& scene, const std::filesystem::path& path) {
             matrix[i % 4][i / 4] = root.at("walk_from_world").at(static_cast<std::size_t>(i)).get<double>();
         if (!poseFromMatrix(matrix, 1e-6, scene.walkFromWorld))
             throw Failure("has no usable walk_from_world", path, kRemedy);
+        return root.value("coverage", false);
     } catch (const json::parse_error& e) {
         throw Failure("is not valid JSON", atByte(path, e.byte), kRemedy);
     } catch (const json::exception& e) {
@@ -297,7 +299,7 @@ Scene openScene(const std::filesystem::path& folder) {
     std::error_code ignored;
     if (!std::filesystem::is_directory(folder, ignored))
         throw Failure("no such scene folder", folder, "name a folder that 'revisit build' made");
-    readManifest(scene, folder / "scene.json");
+    const bool hasCoverage = readManifest(scene, folder / "scene.json");
     const std::filesystem::path tilesPath = folder / "tiles.bin";
     scene.tilesFile = MappedFile(tilesPath);
     const std::span<const std::byte> file = scene.tilesFile.bytes();
@@ -312,6 +314,7 @@ Scene openScene(const std::filesystem::path& folder) {
         scene.blocks[i] = lendBlock(bytes, entry, scene.images[i].camera, scene.images[i].worldFromCamera);
         checkBlock(scene.blocks[i], where);
     });
+    if (hasCoverage) scene.coverage = readCoverage(folder / kCoverageFile);
     return scene;
 }
 

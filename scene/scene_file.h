@@ -5,6 +5,7 @@
 //   images/*.tiff   the depth images as captured, with the flags that say what became of each sample
 //                   (scene/depth_tiff.h)
 //   held_out/*.tiff the depth images that were kept out, to measure the scene against
+//   coverage.bin    what was observed and what nobody ever saw (scene/coverage.h), if scene.json says so
 //   tiles.bin       what is drawn, GPU-ready:
 //
 //     offset 0    FileHeader: magic "RVTILES" 0, version, byte order mark, number of blocks, file size, checksum of the

@@ -11,6 +11,10 @@ endfunction()
 revisit_program_test(revisit_app_tests WHOLE LABELS programs TIMEOUT 600
     SOURCES app/comparison.cpp app/program.cpp app/walk_test.cpp)
 
+# Settings against photographs and the clock.
+revisit_program_test(revisit_measure_tests WHOLE LABELS programs TIMEOUT 300
+    SOURCES app/comparison.cpp app/measure_test.cpp app/program.cpp)
+
 # Captures of others, once and whole.
 revisit_program_test(revisit_captures_tests LABELS data programs TIMEOUT 600
     SOURCES app/captures_test.cpp app/comparison.cpp app/program.cpp)
@@ -21,7 +25,8 @@ revisit_program_test(revisit_world_tests LABELS programs
 
 # What the programs are made of.
 revisit_test(revisit_app_unit_tests LABELS unit LINKS app nlohmann_json::nlohmann_json
-    SOURCES app/annotate_test.cpp app/desk_test.cpp app/governor_test.cpp app/kept_settings_test.cpp app/notes_test.cpp app/overlays_test.cpp
+    SOURCES app/annotate_test.cpp app/desk_test.cpp app/governor_test.cpp app/kept_settings_test.cpp app/measure_table_test.cpp
+        app/notes_test.cpp app/overlays_test.cpp
         app/picture_error_test.cpp app/quality_file_test.cpp
         app/spread_test.cpp app/stage_store_test.cpp app/view_files_test.cpp app/walk_record_test.cpp)
 

@@ -24,13 +24,15 @@ void main()
         uint nearestPlace = nearestRow + nearestPixel(x, fromWidth, width);
         uint nearest = fromColours[nearestPlace], kind = kindOf(nearest);
         uint first = firstPixel(x, fromWidth, width), last = lastPixel(x, fromWidth, width);
+        // Those between the first and the last are covered whole.
+        uint firstWeight = weightOf(first, x, fromWidth, width), lastWeight = weightOf(last, x, fromWidth, width);
         ColourSum sum = ColourSum(0u, 0u, 0u, 0u);
         for (uint row = firstRow; row <= lastRow; ++row) {
             uint rowWeight = weightOf(row, y, constants.fromHeight, constants.toHeight);
             for (uint column = first; column <= last; ++column) {
                 uint pixel = fromColours[row * fromWidth + column];
-                uint weight = kindOf(pixel) == kind ? rowWeight * weightOf(column, x, fromWidth, width) : 0u;
-                sum = addColour(sum, pixel, weight);
+                uint weight = column == first ? firstWeight : (column == last ? lastWeight : kWholeWeight);
+                sum = addColour(sum, pixel, kindOf(pixel) == kind ? rowWeight * weight : 0u);
             }
         }
         colours[y * width + x] = meanColour(sum, nearest);

@@ -10,7 +10,7 @@
 #extension GL_EXT_shader_atomic_int64 : require
 #extension GL_KHR_shader_subgroup_ballot : require
 
-#include "render/shaders/shared/tile_draw.h"
+#include "render/shaders/shared/detail.h"
 #include "render/shaders/shared/triangle.h"
 #include "render/shaders/shared/z_key.h"
 
@@ -41,6 +41,15 @@ vec3 warpCorner(TileDraw draw, uint index, out uint colour, out bool isUsable)
     return project(h);
 }
 
+/// A square goes with its top left sample, one to the left of the one that any half of it has.
+bool isSquareOfDetail(TileDraw draw, uvec2 quad)
+{
+    if (draw.detail.x == 0.0f) return true;
+    uint place = texelFetch(vertices, int(draw.span.x + ((quad.x >> 16) & kIndexMask))).x;
+    uvec2 at = columnAndRowOf(draw, place);
+    return isOfDetail(draw, max(at.x, 1u) - 1u, at.y, warpSample(draw, place).z);
+}
+
 Square warpSquare(TileDraw draw, uint number)
 {
     uvec2 quad = texelFetch(quads, int(draw.span.y + number)).xy;
@@ -50,7 +59,7 @@ Square warpSquare(TileDraw draw, uint number)
     s.topRight = warpCorner(draw, (quad.x >> 16) & kIndexMask, s.colours[1], usable[1]);
     s.bottomLeft = warpCorner(draw, quad.y & kIndexMask, s.colours[2], usable[2]);
     s.bottomRight = warpCorner(draw, (quad.y >> 16) & kIndexMask, s.colours[3], usable[3]);
-    bool bothUsable = usable[1] && usable[2];
+    bool bothUsable = usable[1] && usable[2] && isSquareOfDetail(draw, quad);
     bool upper = (quad.x & kDrawn) != 0u && usable[0] && bothUsable;
     bool lower = (quad.y & kDrawn) != 0u && usable[3] && bothUsable;
 

@@ -5,7 +5,7 @@
 #extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
 #extension GL_EXT_shader_atomic_int64 : require
 
-#include "render/shaders/shared/tile_draw.h"
+#include "render/shaders/shared/detail.h"
 #include "render/shaders/shared/z_key.h"
 
 layout(local_size_x_id = 0) in;
@@ -25,6 +25,10 @@ void main()
         uvec2 vertex = texelFetch(vertices, int(draw.span.y + i)).xy;
         vec4 h = warpSample(draw, vertex.x);
         if (!isBeforeEye(h)) continue;
+        if (draw.detail.x != 0.0f) {
+            uvec2 at = columnAndRowOf(draw, vertex.x);
+            if (!isOfDetail(draw, at.x, at.y, h.z)) continue;
+        }
         vec3 seen = project(h);
         uint64_t key = packUint2x32(packKey(seen.z, vertex.y, levelAndClass));
         float left = firstOfFootprint(seen.x, size), top = firstOfFootprint(seen.y, size);

@@ -2,6 +2,7 @@
 
 #include "render/device.h"
 #include "render/gpu_scene.h"
+#include "spirv/warp_facets.comp.h"
 #include "spirv/warp_mesh.comp.h"
 #include "spirv/warp_points.comp.h"
 #include "spirv/warp_splats.comp.h"
@@ -22,6 +23,8 @@ struct WarpRow {
 WarpRow rowOf(const Device& device, Warp warp) {
     const auto vectorWidth = static_cast<std::uint32_t>(device.subgroupSize());
     switch (warp) {
+    case Warp::adaptive:
+        return {kWarpFacetsCode, device.isProcessor() ? vectorWidth : 64};
     case Warp::mesh:
         return {kWarpMeshCode, device.isProcessor() ? vectorWidth : 64};
     case Warp::splats:
@@ -40,25 +43,36 @@ WarpPass makeWarpPass(const Device& device, Warp warp, VkDescriptorSetLayout pag
                                 std::array{row.workgroupSize})};
 }
 
-void recordRuns(VkCommandBuffer commands, VkPipelineLayout layout, const GpuScene& scene, std::span<const DrawRun> runs,
-                int width, int height) {
-    for (const DrawRun& run : runs) {
-        const VkDescriptorSet page = scene.pageSet(run.page);
-        vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, layout, 0, 1, &page, 0, nullptr);
-        for (std::uint32_t done = 0; done < run.count; done += kMaxWorkgroups) {
-            const WarpConstants constants{run.first + done, width, height};
-            vkCmdPushConstants(commands, layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof constants, &constants);
-            vkCmdDispatch(commands, std::min(run.count - done, kMaxWorkgroups), 1, 1);
-        }
+void recordRun(VkCommandBuffer commands, VkPipelineLayout layout, const GpuScene& scene, const DrawRun& run, int width,
+               int height) {
+    const VkDescriptorSet page = scene.pageSet(run.page);
+    vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, layout, 0, 1, &page, 0, nullptr);
+    for (std::uint32_t done = 0; done < run.count; done += kMaxWorkgroups) {
+        const WarpConstants constants{run.first + done, width, height};
+        vkCmdPushConstants(commands, layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof constants, &constants);
+        vkCmdDispatch(commands, std::min(run.count - done, kMaxWorkgroups), 1, 1);
     }
 }
 
-void recordWarp(VkCommandBuffer commands, const WarpPass& pass, const GpuScene& scene, VkDescriptorSet eyeSet,
+void recordRuns(VkCommandBuffer commands, VkPipelineLayout layout, const GpuScene& scene, std::span<const DrawRun> runs,
+                int width, int height) {
+    for (const DrawRun& run : runs)
+        recordRun(commands, layout, scene, run, width, height);
+}
+
+void recordWarp(VkCommandBuffer commands, const WarpPasses& passes, const GpuScene& scene, VkDescriptorSet eyeSet,
                 std::span<const DrawRun> runs, int width, int height) {
-    const VkPipelineLayout layout = pass.pipeline.layout;
-    vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pass.pipeline.pipeline);
-    vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, layout, 1, 1, &eyeSet, 0, nullptr);
-    recordRuns(commands, layout, scene, runs, width, height);
+    const WarpPass* bound = nullptr;
+    for (const DrawRun& run : runs) {
+        const WarpPass& pass = passes[static_cast<std::size_t>(run.warp)];
+        if (&pass != bound) {
+            vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pass.pipeline.pipeline);
+            vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pass.pipeline.layout, 1, 1, &eyeSet, 0,
+                                    nullptr);
+            bound = &pass;
+        }
+        recordRun(commands, pass.pipeline.layout, scene, run, width, height);
+    }
 }
 
 } // namespace render

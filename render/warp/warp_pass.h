@@ -6,6 +6,7 @@
 #include "render/pipeline.h"
 #include "render/quality.h"
 
+#include <array>
 #include <span>
 
 namespace render {
@@ -16,6 +17,7 @@ class GpuScene;
 struct WarpPass {
     ComputePipeline pipeline;
 };
+using WarpPasses = std::array<WarpPass, 4>; ///< by Warp
 
 WarpPass makeWarpPass(const Device& device, Warp warp, VkDescriptorSetLayout pageLayout,
                       VkDescriptorSetLayout eyeLayout);
@@ -25,8 +27,8 @@ WarpPass makeWarpPass(const Device& device, Warp warp, VkDescriptorSetLayout pag
 void recordRuns(VkCommandBuffer commands, VkPipelineLayout layout, const GpuScene& scene, std::span<const DrawRun> runs,
                 int width, int height);
 
-/// Draws the runs into the z-buffer of eyeSet: one workgroup per tile.
-void recordWarp(VkCommandBuffer commands, const WarpPass& pass, const GpuScene& scene, VkDescriptorSet eyeSet,
+/// Draws the runs, each by its own warp, into the z-buffer of eyeSet: one workgroup per tile.
+void recordWarp(VkCommandBuffer commands, const WarpPasses& passes, const GpuScene& scene, VkDescriptorSet eyeSet,
                 std::span<const DrawRun> runs, int width, int height);
 
 } // namespace render

@@ -14,6 +14,7 @@ namespace {
 
 constexpr std::uint64_t kAllCells = ~std::uint64_t{0};
 constexpr double kCoarseSamples = 12;  ///< the first pass divides no cell below so many samples' spacing
+constexpr double kMiddleShare = 0.1;   ///< of a smallest cell's edge, to either side: what decides over all of it
 constexpr int kParallelLevels = 3;     ///< deeper, a task would be too small
 constexpr int kSampleStep = 4;         ///< every so many samples, across and down, bound the cube
 constexpr double kOutlierShare = 5e-4; ///< of an image's samples, at each end of an axis, may lie outside
@@ -63,7 +64,7 @@ class Carving {
                     const std::uint64_t mask = maskOf(x, y, z, side);
                     if ((node.empty & mask) == mask) continue;
                     const glm::dvec3 middle = centreOf(centre, cell, x, y, z, side);
-                    if (decide(node, mask, middle, cell * side, level)) toCarve |= mask;
+                    if (decide(node, mask, middle, cell * side, level, side == 1)) toCarve |= mask;
                 }
         divide(node, toCarve & ~node.divided);
         carveChildren(node, toCarve, centre, cell, level);
@@ -78,7 +79,8 @@ class Carving {
     }
 
     /// What the image knows of cells of one kind; true if only their parts can tell.
-    bool decide(Growing& node, std::uint64_t mask, const glm::dvec3& middle, double cell, int level) const {
+    bool decide(Growing& node, std::uint64_t mask, const glm::dvec3& middle, double cell, int level,
+                bool mayDivide) const {
         const BoxSight sight = c_.space.look({middle, cell * c_.halfOfUnit});
         if (sight.sight == Sight::none) return false;
         if (sight.sight == Sight::all) {
@@ -89,10 +91,12 @@ class Carving {
         if (c_.isCoarse) return cell > kCoarseSamples * spacing && level + 1 < kMaxCoverageLevels;
         if ((node.divided & mask) != 0) return true;
         const double limit = sight.hasEdge ? c_.smallest : c_.atSurface;
-        if (cell > limit * spacing && level + 1 < kMaxCoverageLevels) return (node.surface & mask) == 0;
-        // As small as it gets: asked about its middle part, else every end of seen space would reach a cell too far.
-        const BoxSight core = c_.space.look({middle, glm::dvec3(cell / 4)});
-        if (core.sight == Sight::none) return false;
+        if (mayDivide && cell > limit * spacing && level + 1 < kMaxCoverageLevels) return (node.surface & mask) == 0;
+        // The smallest cells are as their middle is, else every end of seen space would reach a cell too far. Larger
+        // ones, at surfaces, are seen if any of them is: they must not stand out of the surface.
+        if (cell <= c_.smallest * spacing &&
+            c_.space.look({middle, glm::dvec3(kMiddleShare * cell)}).sight == Sight::none)
+            return false;
         if (sight.hasSurface)
             node.surface |= mask;
         else

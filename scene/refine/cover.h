@@ -15,7 +15,7 @@
 namespace scene {
 
 struct CoverOptions {
-    double cellsPerSample = 2;  ///< smallest cells, where seen space ends in the open: so many to a sample's spacing
+    double cellsPerSample = 1;  ///< smallest cells, where seen space ends in the open: so many to a sample's spacing
     double surfaceSamples = 4;  ///< largest cells where it ends at a surface: so many samples wide
     double nearestMetres = 0.5; ///< nearer to a camera, cells do not become smaller
     float tolerance = 0.002f;   ///< relative; how much farther than its sample a surface may be

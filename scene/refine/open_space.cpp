@@ -11,6 +11,10 @@ namespace {
 constexpr float kNothing = std::numeric_limits<float>::infinity();
 constexpr int kMarginShare = 8; ///< of the image's width that companions continue it by: one part in so many
 
+/// A gap between so many samples that prove something, of the eight about it, is one of sampling: its ray went as far
+/// as the nearest of theirs. A sample among fewer, itself counted, proves nothing.
+constexpr int kFewAbout = 4;
+
 /// The disparity at which a sample's ray ends, infinite if it proves nothing.
 float openEndOf(const DepthImage& image, int x, int y) {
     return isDrawable(image.flags(x, y)) ? image.disparity(x, y) : kNothing;
@@ -41,6 +45,7 @@ OpenSpace::OpenSpace(const DepthImage& image, std::span<const DepthImage* const>
                              static_cast<std::size_t>(x + margin)] = {end, end, isEdge(image, x, y)};
         }
     if (margin > 0) continuePast(image, companions, margin);
+    closeGaps();
     buildPyramid();
 }
 
@@ -75,6 +80,31 @@ void OpenSpace::continuePast(const DepthImage& image, std::span<const DepthImage
         }
 }
 
+void OpenSpace::closeGaps() {
+    const Level& raw = levels_[0];
+    std::vector<Span> closed = raw.spans;
+    for (int y = 0; y < raw.height; ++y)
+        for (int x = 0; x < raw.width; ++x) {
+            int proving = 0;
+            float nearest = 0;
+            for (int ny = std::max(y - 1, 0); ny <= std::min(y + 1, raw.height - 1); ++ny)
+                for (int nx = std::max(x - 1, 0); nx <= std::min(x + 1, raw.width - 1); ++nx) {
+                    const float end = raw.spans[static_cast<std::size_t>(ny) * static_cast<std::size_t>(raw.width) +
+                                                static_cast<std::size_t>(nx)]
+                                          .nearest;
+                    if (!(end < kNothing)) continue;
+                    ++proving;
+                    nearest = std::max(nearest, end);
+                }
+            Span& span =
+                closed[static_cast<std::size_t>(y) * static_cast<std::size_t>(raw.width) + static_cast<std::size_t>(x)];
+            const bool proves = span.nearest < kNothing;
+            if (!proves && proving >= kFewAbout) span = {nearest, nearest, true};
+            if (proves && proving < kFewAbout) span = {kNothing, kNothing, true};
+        }
+    levels_[0].spans = std::move(closed);
+}
+
 void OpenSpace::buildPyramid() {
     while (levels_.back().width > 1 || levels_.back().height > 1) {
         const Level& fine = levels_.back();
@@ -101,7 +131,13 @@ void OpenSpace::buildPyramid() {
 BoxSight OpenSpace::look(const BoxInCamera& box) const {
     const double zNear = box.centre.z - box.half.z, zFar = box.centre.z + box.half.z;
     if (zFar <= 0) return {};
-    if (zNear <= 0) return {Sight::part, false, true}; // about the camera itself
+    if (zNear <= 0) { // beside the camera, or about it
+        const bool isBeside = box.centre.x - box.half.x > zFar * (camera_.width - camera_.cx) / camera_.fx ||
+                              box.centre.x + box.half.x < -zFar * camera_.cx / camera_.fx ||
+                              box.centre.y - box.half.y > zFar * (camera_.height - camera_.cy) / camera_.fy ||
+                              box.centre.y + box.half.y < -zFar * camera_.cy / camera_.fy;
+        return isBeside ? BoxSight{} : BoxSight{Sight::part, false, true};
+    }
     const auto lowest = [&](double p, double half) { return p - half < 0 ? (p - half) / zNear : (p - half) / zFar; };
     const auto highest = [&](double p, double half) { return p + half > 0 ? (p + half) / zNear : (p + half) / zFar; };
     const double left = camera_.fx * lowest(box.centre.x, box.half.x) + camera_.cx;

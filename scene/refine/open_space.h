@@ -54,6 +54,7 @@ class OpenSpace {
         std::vector<Span> spans;
     };
     void continuePast(const DepthImage& image, std::span<const DepthImage* const> companions, int margin);
+    void closeGaps();
     void buildPyramid();
 
     Camera camera_; ///< with the margin

@@ -22,9 +22,9 @@ struct RedundancyOptions {
     /// A surface is kept again, as a directional sample, where no kept sample shows it from nearby: from a camera no
     /// farther away than this share of the range (so the directions differ by at most as many radians). 0: never.
     float baselineShare = 0.07f;
-    /// Of a tile's surfaces so many, as a share, must be wanted as directional samples; then all of them are kept, else
-    /// none. Patches with holes cost more to draw than they show, cannot become facets, and the base has their surface,
-    /// too.
+    /// A tile of whose surfaces at least this share is wanted keeps all of them: patches with holes cost more to draw
+    /// than they spare, and cannot become facets. Of a tile of which less is wanted, the base keeps just that, and the
+    /// directional tier nothing.
     float minPatchShare = 0.25f;
     int tileSize = kDefaultTileSize;
     ComparisonOptions comparison;

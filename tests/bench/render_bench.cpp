@@ -168,8 +168,7 @@ BENCHMARK(cullingAgainstOneByOne)->Iterations(500)->Unit(benchmark::kMicrosecond
 
 /// Everything a frame does on the processor before it submits.
 struct EyeWork {
-    std::vector<glm::dmat4> matrices;
-    std::vector<glm::dvec3> eyeFromCameras;
+    std::vector<SourceView> sources;
     std::vector<ImagePlanes> planes;
     VisibleTiles visible;
     DrawList list;
@@ -181,7 +180,8 @@ void eyesAtOnceAgainstInTurn(benchmark::State& state) {
     const CutScene fine = roomFromWithin(560, 4);
     const GpuScene scene(benchDevice(), fine.blocks());
     const DescriptorSetLayout eyeLayout = makeEyeLayout(benchDevice());
-    const WarpPass warp = makeWarpPass(benchDevice(), Warp::points, scene.pageLayout(), eyeLayout);
+    const auto passOf = [&](Warp warp) { return makeWarpPass(benchDevice(), warp, scene.pageLayout(), eyeLayout); };
+    const WarpPasses warps{passOf(Warp::points), passOf(Warp::mesh), passOf(Warp::adaptive)};
     CommandStreams streams(benchDevice(), 2);
     const auto [left, right] = scene::eyesOf(wideView().camera, wideView().worldFromEye, 0.063);
     const std::array views{left, right};
@@ -191,17 +191,15 @@ void eyesAtOnceAgainstInTurn(benchmark::State& state) {
 
     const auto work = [&](std::size_t i) {
         EyeWork& eye = eyes[i];
-        eye.matrices.clear(), eye.eyeFromCameras.clear(), eye.planes.clear();
-        for (const ResidentImage& image : scene.images()) {
-            eye.matrices.push_back(scene::eyeImageFromSourceImage(views[i], image.camera, image.worldFromCamera));
-            eye.eyeFromCameras.push_back(views[i].worldFromEye.translation - image.worldFromCamera.translation);
-            eye.planes.push_back(planesOf(eye.matrices.back(), 640, 480, 3, image.extent));
-        }
+        eye.sources = sourceViewsOf(scene.images(), views[i], {});
+        eye.planes.clear();
+        for (std::size_t k = 0; k < eye.sources.size(); ++k)
+            eye.planes.push_back(planesOf(eye.sources[k].eyeImageFromSource, 640, 480, 3, scene.images()[k].extent));
         cull(scene.bounds(), scene.pieces(), eye.planes, eye.visible);
-        buildDrawList(scene.tiles(), scene.bounds(), scene.pieces(), eye.matrices, eye.eyeFromCameras, eye.visible, {},
+        buildDrawList(scene.tiles(), scene.bounds(), scene.pieces(), eye.sources, eye.visible, {},
                       eye.target.draws[0].as<TileDraw>(), eye.list);
         const VkCommandBuffer commands = streams.begin(0, static_cast<int>(i));
-        recordWarp(commands, warp, scene, eye.target.sets[0], eye.list.runs, 640, 480);
+        recordWarp(commands, warps, scene, eye.target.sets[0], eye.list.runs, 640, 480);
         vkEndCommandBuffer(commands);
     };
     tbb::task_arena one(1);

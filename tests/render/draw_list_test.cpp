@@ -14,8 +14,7 @@ struct Many {
     std::vector<ResidentTile> tiles;
     TileBounds bounds;
     std::vector<TilePiece> pieces;
-    std::vector<glm::dmat4> matrices;
-    std::vector<glm::dvec3> eyeFromCameras{glm::dvec3(0)};
+    std::vector<SourceView> sources{1};
     VisibleTiles visible;
 };
 
@@ -24,16 +23,21 @@ Many manyTiles(std::uint32_t count) {
     Many many;
     std::mt19937 random(2);
     const scene::Camera camera = cameraOf(2000, 2000, 1.5);
-    many.matrices.push_back(
-        scene::eyeImageFromSourceImage({cameraOf(640, 480, 1.5), poseAt({0.1, 0, 0.2}, 0.1, 0)}, camera, {}));
+    many.sources[0].eyeImageFromSource =
+        scene::eyeImageFromSourceImage({cameraOf(640, 480, 1.5), poseAt({0.1, 0, 0.2}, 0.1, 0)}, camera, {});
     for (std::uint32_t i = 0; i < count; ++i) {
         scene::Tile tile;
         tile.x0 = static_cast<int>(random() % 1900), tile.y0 = static_cast<int>(random() % 1900),
         tile.width = tile.height = 32;
         tile.minDisparity = static_cast<float>(random() % 1000) / 500, tile.maxDisparity = tile.minDisparity + 0.1f;
         many.bounds.append(tile, camera);
-        many.tiles.push_back({0, i / 700, 0, i % 3 == 1 ? 0 : 10 + i % 7, 0, 5, tile.x0, tile.y0, tile.minDisparity,
-                              tile.maxDisparity, tile.placeBits, scene::middleOf(tile, camera, {})});
+        ResidentTile resident;
+        resident.page = i / 700;
+        resident.pointCount = i % 3 == 1 ? 0 : 10 + i % 7, resident.quadCount = 5;
+        resident.x0 = tile.x0, resident.y0 = tile.y0;
+        resident.minDisparity = tile.minDisparity, resident.maxDisparity = tile.maxDisparity;
+        resident.middle = scene::middleOf(tile, camera, {});
+        many.tiles.push_back(resident);
         many.visible.slots.push_back(i);
     }
     for (std::uint32_t first = 0; first < count; first += 100) {
@@ -46,8 +50,7 @@ Many manyTiles(std::uint32_t count) {
 DrawList listOf(const Many& many, const Quality& quality, std::vector<TileDraw>& draws) {
     DrawList list;
     draws.assign(many.tiles.size(), {});
-    buildDrawList(many.tiles, many.bounds, many.pieces, many.matrices, many.eyeFromCameras, many.visible, quality,
-                  draws, list);
+    buildDrawList(many.tiles, many.bounds, many.pieces, many.sources, many.visible, quality, draws, list);
     return list;
 }
 
@@ -98,7 +101,7 @@ TEST(DrawList, FootprintsStayWithinTheirLimit) {
 
 TEST(DrawList, OfNothingIsEmpty) {
     DrawList list;
-    buildDrawList({}, {}, {}, {}, {}, {}, {}, {}, list);
+    buildDrawList({}, {}, {}, {}, {}, {}, {}, list);
     EXPECT_EQ(list.tiles, 0u);
     EXPECT_TRUE(list.runs.empty());
 }

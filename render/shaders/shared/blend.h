@@ -22,7 +22,7 @@ struct BlendResolveConstants {
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(BlendDraw) == 112 && sizeof(BlendResolveConstants) == 4);
+static_assert(sizeof(BlendDraw) == 144 && sizeof(BlendResolveConstants) == 4);
 #endif
 
 /// The eye disparity at a pixel of the first pass.
@@ -46,6 +46,14 @@ SHARED_FUNCTION uint countOf(vec4 spot, vec2 offset) {
     PRECISE float rest = max(1.0f - q, 0.0f);
     PRECISE float count = spot.w * rest * rest + 0.5f;
     return uint(int(count));
+}
+
+/// The pixels whose centres are within reach of a position, first and end, along one side of an image of that size.
+SHARED_FUNCTION ivec2 touchedBy(float position, float reach, float size) {
+    PRECISE float first = ceil(position - reach - 0.5f);
+    PRECISE float end = floor(position + reach + 0.5f);
+    // Clamped as floats: far outside, the conversion to int is undefined.
+    return ivec2(int(clamp(first, 0.0f, size)), int(clamp(end, 0.0f, size)));
 }
 
 /// What is added to the two words of a pixel, each as (low, high). colour: r | g << 8 | b << 16.

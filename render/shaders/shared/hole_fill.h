@@ -56,7 +56,14 @@ struct ResolveConstants {
 static_assert(sizeof(HoleFill) == 16 && sizeof(ResolveConstants) == 24);
 #endif
 
-SHARED_CONSTANT int kHoleAxes = 8;
+SHARED_CONSTANT int kHoleAxes = 8, kMaskAxes = 4;
+
+/// Pixels along the side of a block; of each it is known whether it holds anything, so that the inside of a large hole
+/// is left at once.
+SHARED_CONSTANT int kHoleBlockSide = 16;
+SHARED_FUNCTION int holeBlocksAcross(int pixels) {
+    return (pixels + kHoleBlockSide - 1) / kHoleBlockSide;
+}
 
 /// The first four are the mask's.
 SHARED_FUNCTION ivec2 holeAxis(int axis) {
@@ -79,26 +86,27 @@ struct HoleEnd {
     uint colour;
 };
 
-HOLE_FUNCTION HoleEnd findEnd(HOLE_KEYS ivec2 hole, ivec2 step, int reach) {
+SHARED_FUNCTION HoleEnd endAt(uvec2 key, int steps) {
     HoleEnd end;
-    end.steps = 0;
-    end.disparity = 0.0f;
+    end.steps = isHole(key) ? 0 : steps;
+    end.disparity = eyeDisparityOf(key);
     end.slope = 0.0f;
     end.hasSlope = false;
-    end.colour = 0u;
+    end.colour = key.x >> 8;
+    return end;
+}
+
+HOLE_FUNCTION HoleEnd findEnd(HOLE_KEYS ivec2 hole, ivec2 step, int reach) {
     uvec2 key = uvec2(0u, 0u);
     int k = 1;
     for (; k <= reach; ++k) {
         key = keyAt(hole + k * step);
         if (!isHole(key)) break;
     }
-    if (isHole(key)) return end;
+    HoleEnd end = endAt(key, k);
     uvec2 beyond = keyAt(hole + (k + 1) * step);
-    end.steps = k;
-    end.disparity = eyeDisparityOf(key);
     end.hasSlope = !isHole(beyond);
-    end.slope = end.hasSlope ? eyeDisparityOf(beyond) - end.disparity : 0.0f;
-    end.colour = key.x >> 8;
+    end.slope = eyeDisparityOf(beyond) - end.disparity;
     return end;
 }
 
@@ -176,21 +184,57 @@ SHARED_FUNCTION uvec2 keyOf(HoleSurface surface) {
     return packKey(disparity, colour, kClassFilled);
 }
 
-/// What a pixel shows whose key is `own`: a hole what it is filled with, if anything; any other itself.
-HOLE_FUNCTION uvec2 filled(HOLE_KEYS ivec2 hole, uvec2 own, HoleFill fill) {
+/// Of the mask's four pairs, how many must stand before a pixel that is no hole: a crack runs along one of them.
+SHARED_CONSTANT int kPairsAcrossCrack = 3;
+
+/// The mask; only ends nearer than `nearer` count.
+HOLE_FUNCTION HoleSurface surfaceByMask(HOLE_KEYS ivec2 pixel, float nearer, bool asks, HoleFill fill) {
     HoleSurface surface = noSurface();
     // As the end of a loop, not a branch: processors draw several pixels at once, and only loops are left early.
-    int axes = isHole(own) ? kHoleAxes : 0;
+    int axes = asks ? kMaskAxes : 0;
     for (int axis = 0; axis < axes; ++axis) {
         ivec2 step = holeAxis(axis);
-        int reach = axis < 4 ? fill.radius : fill.radius / 2;
+        HoleEnd a = endAt(keyAt(pixel + step), 1), b = endAt(keyAt(pixel - step), 1);
+        if (min(a.disparity, b.disparity) > nearer && isOneSurface(a, b, fill))
+            surface = withPair(surface, a, b, step, fill);
+    }
+    return surface;
+}
+
+/// Farther than the mask, along all axes.
+HOLE_FUNCTION HoleSurface surfaceAround(HOLE_KEYS ivec2 hole, bool asks, HoleFill fill) {
+    HoleSurface surface = noSurface();
+    int axes = asks ? kHoleAxes : 0;
+    for (int axis = 0; axis < axes; ++axis) {
+        ivec2 step = holeAxis(axis);
+        int reach = axis < kMaskAxes ? fill.radius : fill.radius / 2;
         HoleEnd a = findEnd(HOLE_LENT hole, step, reach);
         if (a.steps == 0) continue;
         HoleEnd b = findEnd(HOLE_LENT hole, -step, reach);
         if (isOneSurface(a, b, fill)) surface = withPair(surface, a, b, step, fill);
     }
-    if (surface.pairs == 0) return own;
-    return keyOf(surface);
+    return surface;
+}
+
+/// What a crack shows is farther than what stands on both sides of it; along whichever axis it runs, the pixel to the
+/// left or the one above is no part of it.
+HOLE_FUNCTION bool mayBePinhole(HOLE_KEYS ivec2 pixel, float nearer) {
+    float left = eyeDisparityOf(keyAt(pixel - ivec2(1, 0))), above = eyeDisparityOf(keyAt(pixel - ivec2(0, 1)));
+    return max(left, above) > nearer;
+}
+
+/// What a pixel shows whose key is `own`: a hole or pinhole what it is filled with, if anything; any other itself.
+/// isNear: whether there is anything within the radius; true if not known.
+HOLE_FUNCTION uvec2 filled(HOLE_KEYS ivec2 pixel, uvec2 own, bool isNear, HoleFill fill) {
+    bool hole = isHole(own);
+    PRECISE float pushed = eyeDisparityOf(own) * (1.0f + fill.pinholeDepth);
+    float nearer = hole ? -1.0f : pushed;
+    bool pinhole = !hole && fill.pinholeDepth > 0.0f && mayBePinhole(HOLE_LENT pixel, nearer);
+    HoleSurface surface = surfaceByMask(HOLE_LENT pixel, nearer, (hole && isNear) || pinhole, fill);
+    if (surface.pairs >= (hole ? 1 : kPairsAcrossCrack)) return keyOf(surface);
+    surface = surfaceAround(HOLE_LENT pixel, hole && isNear && fill.radius > 1, fill);
+    if (surface.pairs > 0) return keyOf(surface);
+    return own;
 }
 
 SHARED_END

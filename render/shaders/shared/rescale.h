@@ -18,9 +18,17 @@ struct RescaleConstants {
 
 SHARED_CONSTANT uint kWholeWeight = 256u;
 
+/// n / d, exactly, for quotients below 2^20: devices without whole-number division in their vectors (processors) take
+/// a reciprocal, which is off by less than one, and put it right.
+SHARED_FUNCTION uint quotient(uint n, uint d) {
+    uint q = uint(float(n) / float(d));
+    int rest = int(n - q * d);
+    return rest < 0 ? q - 1u : (rest >= int(d) ? q + 1u : q);
+}
+
 /// The old pixel in which the new one's centre lies.
 SHARED_FUNCTION uint nearestPixel(uint i, uint from, uint to) {
-    return ((2u * i + 1u) * from) / (2u * to);
+    return quotient((2u * i + 1u) * from, 2u * to);
 }
 
 /// The new pixel's centre counted from the first old centre, in 1 / (2 to); negative before it.
@@ -30,11 +38,11 @@ SHARED_FUNCTION int centreOf(uint i, uint from, uint to) {
 
 /// Old pixels first to last have a share in new pixel i.
 SHARED_FUNCTION uint firstPixel(uint i, uint from, uint to) {
-    if (from > to) return i * from / to;
-    return uint(max(centreOf(i, from, to), 0)) / (2u * to);
+    if (from > to) return quotient(i * from, to);
+    return quotient(uint(max(centreOf(i, from, to), 0)), 2u * to);
 }
 SHARED_FUNCTION uint lastPixel(uint i, uint from, uint to) {
-    if (from > to) return ((i + 1u) * from - 1u) / to;
+    if (from > to) return quotient((i + 1u) * from - 1u, to);
     if (centreOf(i, from, to) <= 0) return 0u;
     return min(firstPixel(i, from, to) + 1u, from - 1u);
 }
@@ -43,11 +51,11 @@ SHARED_FUNCTION uint lastPixel(uint i, uint from, uint to) {
 SHARED_FUNCTION uint weightOf(uint p, uint i, uint from, uint to) {
     if (from > to) {
         uint begin = max(i * from, p * to), end = min((i + 1u) * from, (p + 1u) * to);
-        return ((end - begin) * kWholeWeight + to / 2u) / to;
+        return quotient((end - begin) * kWholeWeight + to / 2u, to);
     }
     uint first = firstPixel(i, from, to), last = lastPixel(i, from, to);
     if (first == last) return kWholeWeight;
-    uint second = ((uint(centreOf(i, from, to)) - first * 2u * to) * kWholeWeight + to) / (2u * to);
+    uint second = quotient((uint(centreOf(i, from, to)) - first * 2u * to) * kWholeWeight + to, 2u * to);
     return p == first ? kWholeWeight - second : second;
 }
 
@@ -73,8 +81,8 @@ SHARED_FUNCTION ColourSum addColour(ColourSum sum, uint pixel, uint weight) {
 /// The mean, rounded, with the class of the nearest pixel.
 SHARED_FUNCTION uint meanColour(ColourSum sum, uint nearest) {
     uint rounding = sum.weight / 2u;
-    return ((sum.r + rounding) / sum.weight) | (((sum.g + rounding) / sum.weight) << 8) |
-           (((sum.b + rounding) / sum.weight) << 16) | (nearest & 0xff000000u);
+    return quotient(sum.r + rounding, sum.weight) | (quotient(sum.g + rounding, sum.weight) << 8) |
+           (quotient(sum.b + rounding, sum.weight) << 16) | (nearest & 0xff000000u);
 }
 
 SHARED_END

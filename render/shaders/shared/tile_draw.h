@@ -17,8 +17,10 @@ struct TileDraw {
     vec4 perX;  ///< what one sample to the right adds
     vec4 perY;  ///< one sample down
     vec4 perQ;  ///< one step of quantised disparity
-    uvec4 span; ///< first vertex in the page (splats: see splat.h); first item (points: vertex, mesh: quad); items; see
-                ///< packMark
+    uvec4 span; ///< first vertex (facets: texel; splats: bits of their radius) in the page; first item (vertex, quad or
+                ///< facet); items; see packMark
+    uvec4 source; ///< first sample in its image, x and y; level of detail | texels in a row << 8; image
+    vec4 detail;  ///< see isOfDetail; x 0: all samples are drawn
 };
 
 struct WarpConstants {
@@ -28,7 +30,7 @@ struct WarpConstants {
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(TileDraw) == 80 && alignof(TileDraw) == 4);
+static_assert(sizeof(TileDraw) == 112 && alignof(TileDraw) == 4);
 static_assert(sizeof(WarpConstants) == 12);
 #endif
 
@@ -60,6 +62,12 @@ SHARED_FUNCTION vec4 warpSample(TileDraw draw, uint place) {
     return h;
 }
 
+/// Where a sample stands in its tile.
+SHARED_FUNCTION uvec2 columnAndRowOf(TileDraw draw, uint place) {
+    uint bits = placeBitsOf(draw), mask = (1u << bits) - 1u;
+    return uvec2(place & mask, (place >> bits) & mask);
+}
+
 /// True before the eye and not too near; what is not can neither be projected nor compared.
 SHARED_FUNCTION bool isBeforeEye(vec4 h) {
     return h.z > 1e-30f && h.w <= kMaxEyeDisparity * h.z;
@@ -77,14 +85,6 @@ SHARED_FUNCTION vec3 project(vec4 h) {
 SHARED_FUNCTION float firstOfFootprint(float position, int size) {
     PRECISE float first = floor(position - 0.5f * float(size - 1));
     return first;
-}
-
-/// The pixels whose centres are within reach of a position, first and end, along one side of an image of that size.
-SHARED_FUNCTION ivec2 touchedBy(float position, float reach, float size) {
-    PRECISE float first = ceil(position - reach - 0.5f);
-    PRECISE float end = floor(position + reach + 0.5f);
-    // Clamped as floats: far outside, the conversion to int is undefined.
-    return ivec2(int(clamp(first, 0.0f, size)), int(clamp(end, 0.0f, size)));
 }
 
 SHARED_END

@@ -1,0 +1,23 @@
+#pragma once
+// The last step of every eye: its z-buffer becomes a picture, and holes are filled on the way
+// (shaders/shared/hole_fill.h).
+
+#include "render/pipeline.h"
+#include "render/shaders/shared/hole_fill.h"
+
+namespace render {
+
+class Device;
+
+struct ResolvePass {
+    ComputePipeline holeBlocks; ///< which parts of the z-buffer hold anything
+    ComputePipeline plain, filling;
+};
+
+ResolvePass makeResolvePass(const Device& device, VkDescriptorSetLayout eyeLayout);
+
+/// From the z-buffer of eyeSet to its colours and depths. A radius of 0 fills nothing and costs nothing.
+void recordResolve(VkCommandBuffer commands, const ResolvePass& pass, VkDescriptorSet eyeSet, int width, int height,
+                   const HoleFill& holes);
+
+} // namespace render

@@ -1,0 +1,128 @@
+#ifndef RENDER_SHADERS_SHARED_FACET_H
+#define RENDER_SHADERS_SHARED_FACET_H
+// Facets on the pixel grid, for the adaptive mesh (scene/facets.h).
+//
+// Over a facet disparity is affine in the source's (x, y), so the warp is a homography. It is turned round: for each
+// pixel, where in the facet it looks. What lies inside is decided there, in samples, where neighbours share exact
+// edges; nothing is clipped, since behind the eye the turned homography has a negative sign; and texture is read with
+// perspective. Eye disparity stays affine on the screen.
+
+#include "render/shaders/shared/tile_draw.h"
+#include "render/shaders/shared/triangle.h"
+
+SHARED_BEGIN
+
+/// How far beyond its edges a facet is drawn, in samples: what neighbours may part by.
+SHARED_CONSTANT float kFacetEdge = 1.0f / 16.0f;
+
+struct Facet {
+    vec4 corner; ///< h of its top left sample (shared/tile_draw.h)
+    vec4 perX;   ///< what one sample to the right adds, disparity along
+    vec4 perY;
+    float side; ///< samples
+    bool isUpper, isLower;
+};
+
+/// mark, q, perX, perY as in scene::TileFacet.
+SHARED_FUNCTION Facet facetOf(TileDraw draw, uint mark, float q, float perX, float perY) {
+    Facet facet;
+    float x = float(int(mark & 63u)), y = float(int((mark >> 6) & 63u));
+    PRECISE vec4 corner = draw.base + x * draw.perX + y * draw.perY + q * draw.perQ;
+    PRECISE vec4 right = draw.perX + perX * draw.perQ;
+    PRECISE vec4 down = draw.perY + perY * draw.perQ;
+    facet.corner = corner;
+    facet.perX = right;
+    facet.perY = down;
+    facet.side = float(int(1u << ((mark >> 12) & 7u)));
+    facet.isUpper = (mark & (1u << 16)) != 0u;
+    facet.isLower = (mark & (1u << 17)) != 0u;
+    return facet;
+}
+
+/// The pixels that may see it: the box of its corners, or the whole image where one of them cannot be projected.
+SHARED_FUNCTION PixelBox boxOf(Facet facet, vec2 size) {
+    vec4 right = facet.corner + facet.side * facet.perX, down = facet.corner + facet.side * facet.perY;
+    vec4 across = right + facet.side * facet.perY;
+    bool a = isBeforeEye(facet.corner), b = isBeforeEye(right), c = isBeforeEye(down), d = isBeforeEye(across);
+    PixelBox box;
+    box.first = ivec2(0);
+    box.last = ivec2(-1);
+    if (!a && !b && !c && !d) return box;
+    if (!(a && b && c && d)) {
+        box.last = ivec2(size) - 1;
+        return box;
+    }
+    vec3 p = project(facet.corner), q = project(right), r = project(down), s = project(across);
+    vec2 low = min(min(vec2(p.x, p.y), vec2(q.x, q.y)), min(vec2(r.x, r.y), vec2(s.x, s.y)));
+    vec2 high = max(max(vec2(p.x, p.y), vec2(q.x, q.y)), max(vec2(r.x, r.y), vec2(s.x, s.y)));
+    return pixelsOf(low, high, size);
+}
+
+/// Turned round, with (u, v, 1) from some pixel's centre: x = dot(x, (u, v, 1)) / dot(perW, (u, v, 1)), y alike;
+/// perW is 1 / w, and disparity the eye's. All zero where the facet is seen edge-on.
+struct FacetView {
+    vec3 x, y, perW, disparity;
+};
+
+SHARED_FUNCTION FacetView turnRound(Facet facet, vec2 origin) {
+    PRECISE vec3 h =
+        vec3(facet.corner.x - origin.x * facet.corner.z, facet.corner.y - origin.y * facet.corner.z, facet.corner.z);
+    PRECISE vec3 a = vec3(facet.perX.x - origin.x * facet.perX.z, facet.perX.y - origin.y * facet.perX.z, facet.perX.z);
+    PRECISE vec3 b = vec3(facet.perY.x - origin.x * facet.perY.z, facet.perY.y - origin.y * facet.perY.z, facet.perY.z);
+    PRECISE vec3 rx = vec3(b.y * h.z - b.z * h.y, b.z * h.x - b.x * h.z, b.x * h.y - b.y * h.x);
+    PRECISE vec3 ry = vec3(h.y * a.z - h.z * a.y, h.z * a.x - h.x * a.z, h.x * a.y - h.y * a.x);
+    PRECISE vec3 rw = vec3(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
+    PRECISE float determinant = a.x * rx.x + a.y * rx.y + a.z * rx.z;
+    bool hasArea = abs(determinant) > 1e-30f;
+    PRECISE float inverse = hasArea ? 1.0f / determinant : 0.0f;
+    FacetView view;
+    view.x = rx * inverse;
+    view.y = ry * inverse;
+    view.perW = rw * inverse;
+    PRECISE vec3 disparity = facet.corner.w * view.perW + facet.perX.w * view.x + facet.perY.w * view.y;
+    view.disparity = disparity;
+    return view;
+}
+
+/// What a pixel sees of a facet.
+struct FacetSight {
+    float x, y;      ///< samples from its top left one
+    float w;         ///< as of a warped sample
+    float disparity; ///< negative if it is not seen
+};
+
+SHARED_FUNCTION FacetSight look(Facet facet, FacetView view, vec2 offset) {
+    PRECISE float perW = view.perW.x * offset.x + view.perW.y * offset.y + view.perW.z;
+    PRECISE float x = view.x.x * offset.x + view.x.y * offset.y + view.x.z;
+    PRECISE float y = view.y.x * offset.x + view.y.y * offset.y + view.y.z;
+    PRECISE float disparity = view.disparity.x * offset.x + view.disparity.y * offset.y + view.disparity.z;
+    FacetSight sight;
+    PRECISE float w = perW > 0.0f ? 1.0f / perW : 0.0f;
+    sight.w = w;
+    PRECISE vec2 place = vec2(x * w, y * w);
+    sight.x = place.x;
+    sight.y = place.y;
+    bool isInside = w > 0.0f && sight.x >= -kFacetEdge && sight.y >= -kFacetEdge &&
+                    sight.x <= facet.side + kFacetEdge && sight.y <= facet.side + kFacetEdge &&
+                    disparity <= kMaxEyeDisparity;
+    if (!facet.isLower) isInside = isInside && sight.x + sight.y <= facet.side + kFacetEdge;
+    if (!facet.isUpper) isInside = isInside && sight.x + sight.y >= facet.side - kFacetEdge;
+    sight.disparity = isInside ? max(disparity, 0.0f) : -1.0f;
+    return sight;
+}
+
+/// Two colours mixed, a share of 256 of the second.
+SHARED_FUNCTION uint mixTwo(uint a, uint b, uint ofB) {
+    uint ofA = 256u - ofB;
+    uint redBlue = (a & 0xff00ffu) * ofA + (b & 0xff00ffu) * ofB + 0x800080u;
+    uint green = (a & 0xff00u) * ofA + (b & 0xff00u) * ofB + 0x8000u;
+    return ((redBlue >> 8) & 0xff00ffu) | ((green >> 8) & 0xff00u);
+}
+
+SHARED_FUNCTION uint shareOf256(float share) {
+    return uint(int(clamp(share, 0.0f, 1.0f) * 256.0f + 0.5f));
+}
+
+SHARED_END
+
+#endif
