@@ -22,12 +22,12 @@ struct WarpName {
     bool isBlended = false;
     bool isByConfidence = false;
 };
-constexpr std::array kWarpNames{
-    WarpName{"points", render::Warp::points},     WarpName{"splats", render::Warp::splats},
-    WarpName{"mesh", render::Warp::mesh},         WarpName{"confidence", render::Warp::mesh, false, true},
-    WarpName{"adaptive", render::Warp::adaptive}, WarpName{"blended", render::Warp::mesh, true}};
+constexpr std::array kWarpNames{WarpName{"points", render::Warp::points}, WarpName{"mesh", render::Warp::mesh},
+                                WarpName{"adaptive", render::Warp::adaptive}, WarpName{"splats", render::Warp::splats},
+                                WarpName{"confidence", render::Warp::mesh, false, true},
+                                WarpName{"blended", render::Warp::mesh, true}};
 
-/// Order levels for each square pixel of a sample's projected area, where samples are composed by confidence.
+/// Order levels for each square pixel of a sample's projected area, where warps are told apart by name.
 constexpr float kConfidenceLevels = 2;
 
 /// As few digits as tell the number apart from its neighbours: 0.07 and not 0.0700000003.

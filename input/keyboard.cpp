@@ -28,7 +28,7 @@ constexpr KeyHelp kHelp[] = {
     {"F, V", "higher, lower eyes"},
     {"1, 2, 3", "one eye, left eye, both"},
     {"M", "points or mesh"},
-    {"U, K, G", "show the unseen, cameras, floor grid"},
+    {"U, K, G", "show or hide the unseen, cameras, floor grid"},
     {"Tab, F11", "panel; full screen"},
     {"F12, F9", "screenshot; start and end a video"},
     {"Esc", "leave"},

@@ -13,6 +13,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <utility>
 
 namespace render {
 
@@ -33,13 +34,12 @@ Warp warpOf(const ResidentTile& tile, Warp wanted) {
 
 std::uint32_t itemsOf(const ResidentTile& tile, Warp warp) {
     switch (warpOf(tile, warp)) {
-    case Warp::points:
-    case Warp::splats:
-        return tile.pointCount;
     case Warp::mesh:
         return tile.quadCount;
-    default:
+    case Warp::adaptive:
         return tile.facetCount;
+    default:
+        return tile.pointCount;
     }
 }
 
@@ -65,8 +65,9 @@ bool hasDetail(const Quality& quality) {
 std::optional<vec4> detailOf(const glm::dmat4& c, const SourceView& source, const TileBounds& bounds, std::uint32_t i,
                              double samplePixels) {
     // w is affine in (x, y, d): its extremes stand in corners of the box.
-    const auto along = [](double slope, float low, float high) {
-        return std::minmax(slope * static_cast<double>(low), slope * static_cast<double>(high));
+    const auto along = [](double slope, float low, float high) -> std::pair<double, double> {
+        const double a = slope * static_cast<double>(low), b = slope * static_cast<double>(high);
+        return {std::min(a, b), std::max(a, b)};
     };
     const auto x = along(c[0].z, bounds.xMin[i], bounds.xMax[i]), y = along(c[1].z, bounds.yMin[i], bounds.yMax[i]),
                d = along(c[3].z, bounds.dMin[i], bounds.dMax[i]);
@@ -149,10 +150,11 @@ void buildDrawList(std::span<const ResidentTile> tiles, const TileBounds& bounds
                 detail = detailOf(source.eyeImageFromSource, source, bounds, number, samplePixelsOf(source, tile));
             if (!detail) continue;
             const bool isByArea = quality.preference.areaLevels > 0;
-            const double area = isByArea ? scene::sampleAreaInEye(source.eyeImageFromSource, boxOf(bounds, number)) : 0;
-            const int pushed = scene::withArea(*level, area, quality.preference);
-            list.chosen[piece.first + list.counts[p]++] = {number, static_cast<std::uint32_t>(pushed),
-                                                           warpOf(tile, quality.warp), *detail};
+            const double area =
+                isByArea ? scene::sampleAreaInEye(source.eyeImageFromSource, boxOf(bounds, number)) : 0;
+            list.chosen[piece.first + list.counts[p]++] = {
+                number, static_cast<std::uint32_t>(scene::withArea(*level, area, quality.preference)),
+                warpOf(tile, quality.warp), *detail};
         }
     });
 
@@ -189,9 +191,9 @@ void buildDrawList(std::span<const ResidentTile> tiles, const TileBounds& bounds
                 draw.span.y = tile.firstVertex;
                 footprint = footprintOf(source.eyeImageFromSource, bounds, chosen.tile, quality);
             } else if (chosen.warp == Warp::splats) {
-                draw.span.x = floatBitsToUint(scene::splatRadiusOf(
-                    source.eyeImageFromSource, boxOf(bounds, chosen.tile), quality.splatScale, quality.maxSplat));
                 draw.span.y = tile.firstVertex;
+                draw.span.x = glm::floatBitsToUint(scene::splatRadiusOf(
+                    source.eyeImageFromSource, boxOf(bounds, chosen.tile), quality.splatScale, quality.maxSplat));
             } else if (chosen.warp == Warp::mesh) {
                 draw.span.y = tile.firstQuad;
             } else {

@@ -8,10 +8,10 @@
 namespace render {
 
 enum class Warp {
-    points,  ///< each sample a square of pixels
-    mesh,    ///< two triangles in each square of four samples
-    splats,  ///< each sample a circle whose depth falls off from its centre
-    adaptive ///< a textured facet wherever samples lie in a plane (scene/facets.h), squares elsewhere
+    points,   ///< each sample a square of pixels
+    mesh,     ///< two triangles in each square of four samples
+    adaptive, ///< a textured facet wherever samples lie in a plane (scene/facets.h), squares elsewhere
+    splats    ///< each sample a circle whose depth falls off from its centre
 };
 
 inline constexpr double kMinResolutionScale = 0.1, kMaxResolutionScale = 4;

@@ -11,9 +11,9 @@ namespace {
 
 /// How far outside the image a sample may stand and still touch it.
 double marginOf(const Quality& quality) {
-    const double margin = quality.warp == Warp::splats ? quality.maxSplat + 1.0
-                          : quality.warp != Warp::mesh ? 0.5 * quality.maxFootprint + 1.0
-                                                       : 1.0;
+    const double margin = quality.warp == Warp::mesh     ? 1.0
+                          : quality.warp == Warp::splats ? quality.maxSplat + 1.0
+                                                         : 0.5 * quality.maxFootprint + 1.0;
     return quality.isBlended ? std::max(margin, static_cast<double>(quality.blend.maxRadius) + 1.0) : margin;
 }
 
@@ -39,8 +39,8 @@ Renderer::Renderer(const Device& device, const GpuScene& scene, int width, int h
     : device_(device), scene_(scene), width_(width), height_(height),
       eyeLayout_(makeEyeLayout(device)), warps_{makeWarpPass(device, Warp::points, scene.pageLayout(), eyeLayout_),
                                                 makeWarpPass(device, Warp::mesh, scene.pageLayout(), eyeLayout_),
-                                                makeWarpPass(device, Warp::splats, scene.pageLayout(), eyeLayout_),
-                                                makeWarpPass(device, Warp::adaptive, scene.pageLayout(), eyeLayout_)},
+                                                makeWarpPass(device, Warp::adaptive, scene.pageLayout(), eyeLayout_),
+                                                makeWarpPass(device, Warp::splats, scene.pageLayout(), eyeLayout_)},
       blend_(makeBlendPass(device, scene.pageLayout(), eyeLayout_)), resolve_(makeResolvePass(device, eyeLayout_)),
       rescale_(makeRescalePass(device)), depthPass_(makeDepthPass(device)),
       overlay_(makeOverlayPass(device, eyeLayout_)), coverage_(coverage),

@@ -7,6 +7,7 @@ revisit_test(revisit_refine_tests LABELS unit LINKS scene scene_project scene_re
         scene/pick_test.cpp
         scene/preference_test.cpp
         scene/project/dropouts_test.cpp
+        scene/refine/cover_test.cpp
         scene/refine/fusion_test.cpp
         scene/refine/pairs_test.cpp
         scene/refine/redundancy_test.cpp
@@ -18,6 +19,7 @@ revisit_test(revisit_refine_tests LABELS unit LINKS scene scene_project scene_re
 revisit_test(revisit_picture_tests LABELS unit
     LINKS scene scene_import TIFF::TIFF PkgConfig::XXHASH nlohmann_json::nlohmann_json opencv_core opencv_imgcodecs
     SOURCES
+        scene/coverage_test.cpp
         scene/depth_tiff_test.cpp
         scene/image_store_test.cpp
         scene/import/photo_test.cpp

@@ -4,6 +4,7 @@ target_link_libraries(revisit_render_scenes PUBLIC render PRIVATE revisit_flags)
 
 revisit_test(revisit_render_tests LABELS gpu LINKS revisit_render_scenes TBB::tbb
     SOURCES
+        render/adaptive_test.cpp
         render/blend_test.cpp
         render/device_test.cpp
         render/draw_list_test.cpp
@@ -25,6 +26,7 @@ revisit_test(revisit_unseen_tests LABELS gpu TIMEOUT 300
     LINKS revisit_render_scenes scene_project scene_refine TBB::tbb
     SOURCES
         render/test_device.cpp
+        render/unseen_test.cpp
         render/unseen_truth_test.cpp)
 
 revisit_shader(bare_scatter.comp kBareScatterCode ${CMAKE_CURRENT_SOURCE_DIR}/bench/shaders)

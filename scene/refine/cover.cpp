@@ -92,12 +92,13 @@ class Carving {
         if ((node.divided & mask) != 0) return true;
         const double limit = sight.hasEdge ? c_.smallest : c_.atSurface;
         if (mayDivide && cell > limit * spacing && level + 1 < kMaxCoverageLevels) return (node.surface & mask) == 0;
-        // The smallest cells are as their middle is, else every end of seen space would reach a cell too far. Larger
-        // ones, at surfaces, are seen if any of them is: they must not stand out of the surface.
-        if (cell <= c_.smallest * spacing &&
-            c_.space.look({middle, glm::dvec3(kMiddleShare * cell)}).sight == Sight::none)
-            return false;
-        if (sight.hasSurface)
+        // Smallest cells in the open are as their middle is, else every end of seen space would reach a cell too far.
+        // Cells at surfaces are surface if any of them is seen: they must not stand out of it as unseen.
+        const bool isSmallest = !mayDivide || cell <= c_.smallest * spacing;
+        const bool holdsSample = isSmallest && c_.space.holdsSample({middle, cell * c_.halfOfUnit});
+        const Sight core = c_.space.look({middle, glm::dvec3(kMiddleShare * cell)}).sight;
+        if (isSmallest && !holdsSample && core == Sight::none) return false;
+        if (isSmallest ? holdsSample : core != Sight::all)
             node.surface |= mask;
         else
             node.empty |= mask, node.surface &= ~mask;

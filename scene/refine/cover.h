@@ -16,7 +16,7 @@ namespace scene {
 
 struct CoverOptions {
     double cellsPerSample = 1;  ///< smallest cells, where seen space ends in the open: so many to a sample's spacing
-    double surfaceSamples = 4;  ///< largest cells where it ends at a surface: so many samples wide
+    double surfaceSamples = 2;  ///< largest cells where it ends at a surface: so many samples wide
     double nearestMetres = 0.5; ///< nearer to a camera, cells do not become smaller
     float tolerance = 0.002f;   ///< relative; how much farther than its sample a surface may be
     std::size_t maxNodes = 2 << 20; ///< what would take more is kept coarser, half as fine, until it fits
@@ -29,7 +29,7 @@ struct CoverFigures {
     double unseenCubicMetres = 0, surfaceCubicMetres = 0, emptyCubicMetres = 0; ///< within the box of all samples
 };
 
-/// Coverage of the cube about all samples and cameras. advance is called for each image, twice. The same tree on any
+/// Coverage of the cube about all samples and cameras, from images whose skins are marked (refine/skins.h). advance is called for each image, twice. The same tree on any
 /// number of threads. No image or no sample: a cube of a metre that nobody observed.
 Coverage cover(ImageStore& images, const CoverOptions& options, CoverFigures& figures,
                const std::function<void()>& advance = {});

@@ -128,6 +128,37 @@ void OpenSpace::buildPyramid() {
     }
 }
 
+OpenSpace::Rectangle OpenSpace::rectangleOf(const BoxInCamera& box) const {
+    const double zNear = box.centre.z - box.half.z, zFar = box.centre.z + box.half.z;
+    const auto lowest = [&](double p, double half) { return p - half < 0 ? (p - half) / zNear : (p - half) / zFar; };
+    const auto highest = [&](double p, double half) { return p + half > 0 ? (p + half) / zNear : (p + half) / zFar; };
+    const double left = camera_.fx * lowest(box.centre.x, box.half.x) + camera_.cx;
+    const double right = camera_.fx * highest(box.centre.x, box.half.x) + camera_.cx;
+    const double top = camera_.fy * lowest(box.centre.y, box.half.y) + camera_.cy;
+    const double bottom = camera_.fy * highest(box.centre.y, box.half.y) + camera_.cy;
+    if (right <= 0 || bottom <= 0 || left >= camera_.width || top >= camera_.height) return {};
+    return {static_cast<int>(std::max(left, 0.0)), static_cast<int>(std::max(top, 0.0)),
+            static_cast<int>(std::min(right, camera_.width - 1.0)),
+            static_cast<int>(std::min(bottom, camera_.height - 1.0)),
+            left >= 0 && top >= 0 && right <= camera_.width && bottom <= camera_.height};
+}
+
+bool OpenSpace::holdsSample(const BoxInCamera& box) const {
+    const double zNear = box.centre.z - box.half.z, zFar = box.centre.z + box.half.z;
+    if (zNear <= 0) return false;
+    const Rectangle in = rectangleOf(box);
+    const auto boxNear = static_cast<float>(1 / zNear), boxFar = static_cast<float>(1 / zFar);
+    for (int y = in.top; y <= in.bottom; ++y)
+        for (int x = in.left; x <= in.right; ++x) {
+            const float end = levels_[0]
+                                  .spans[static_cast<std::size_t>(y) * static_cast<std::size_t>(camera_.width) +
+                                         static_cast<std::size_t>(x)]
+                                  .nearest;
+            if (end > 0 && end >= boxFar && end <= boxNear) return true;
+        }
+    return false;
+}
+
 BoxSight OpenSpace::look(const BoxInCamera& box) const {
     const double zNear = box.centre.z - box.half.z, zFar = box.centre.z + box.half.z;
     if (zFar <= 0) return {};
@@ -136,40 +167,31 @@ BoxSight OpenSpace::look(const BoxInCamera& box) const {
                               box.centre.x + box.half.x < -zFar * camera_.cx / camera_.fx ||
                               box.centre.y - box.half.y > zFar * (camera_.height - camera_.cy) / camera_.fy ||
                               box.centre.y + box.half.y < -zFar * camera_.cy / camera_.fy;
-        return isBeside ? BoxSight{} : BoxSight{Sight::part, false, true};
+        return isBeside ? BoxSight{} : BoxSight{Sight::part, true};
     }
-    const auto lowest = [&](double p, double half) { return p - half < 0 ? (p - half) / zNear : (p - half) / zFar; };
-    const auto highest = [&](double p, double half) { return p + half > 0 ? (p + half) / zNear : (p + half) / zFar; };
-    const double left = camera_.fx * lowest(box.centre.x, box.half.x) + camera_.cx;
-    const double right = camera_.fx * highest(box.centre.x, box.half.x) + camera_.cx;
-    const double top = camera_.fy * lowest(box.centre.y, box.half.y) + camera_.cy;
-    const double bottom = camera_.fy * highest(box.centre.y, box.half.y) + camera_.cy;
-    if (right <= 0 || bottom <= 0 || left >= camera_.width || top >= camera_.height) return {};
-    const bool isWhole = left >= 0 && top >= 0 && right <= camera_.width && bottom <= camera_.height;
-    int x0 = std::max(static_cast<int>(std::max(left, 0.0)), 0), y0 = static_cast<int>(std::max(top, 0.0));
-    int x1 = static_cast<int>(std::min(right, camera_.width - 1.0));
-    int y1 = static_cast<int>(std::min(bottom, camera_.height - 1.0));
+    const Rectangle in = rectangleOf(box);
+    if (in.isEmpty()) return {};
+    int x0 = in.left, y0 = in.top, x1 = in.right, y1 = in.bottom;
     std::size_t level = 0;
     while (x1 - x0 > 2 || y1 - y0 > 2)
         x0 >>= 1, x1 >>= 1, y0 >>= 1, y1 >>= 1, ++level;
 
-    const Level& in = levels_[level];
+    const Level& pyramid = levels_[level];
     const auto boxNear = static_cast<float>(1 / zNear), boxFar = static_cast<float>(1 / zFar);
     BoxSight sight;
-    Span span{0, kNothing, !isWhole};
+    Span span{0, kNothing, !in.isWhole};
     for (int y = y0; y <= y1; ++y)
         for (int x = x0; x <= x1; ++x) {
-            const Span& of = in.spans[static_cast<std::size_t>(y) * static_cast<std::size_t>(in.width) +
-                                      static_cast<std::size_t>(x)];
+            const Span& of = pyramid.spans[static_cast<std::size_t>(y) * static_cast<std::size_t>(pyramid.width) +
+                                           static_cast<std::size_t>(x)];
             span.nearest = std::max(span.nearest, of.nearest);
             span.farthest = std::min(span.farthest, of.farthest);
             span.hasEdge = span.hasEdge || of.hasEdge;
-            sight.hasSurface = sight.hasSurface || (of.nearest >= boxFar && of.farthest <= boxNear && of.farthest > 0);
         }
     sight.hasEdge = span.hasEdge;
     if (boxNear < span.farthest * (1 - tolerance_))
         sight.sight = Sight::none;
-    else if (isWhole && boxFar > span.nearest)
+    else if (in.isWhole && boxFar > span.nearest)
         sight.sight = Sight::all;
     else
         sight.sight = Sight::part;

@@ -25,8 +25,7 @@ struct BoxInCamera {
 
 struct BoxSight {
     Sight sight = Sight::none;
-    bool hasSurface = false; ///< a sample's surface lies in it
-    bool hasEdge = false;    ///< a silhouette, a drop-out or the image's border is seen within it: space may end openly
+    bool hasEdge = false; ///< a silhouette, a drop-out or the image's border is seen within it: space may end openly
 };
 
 /// A ray is open up to its sample's surface, without end at disparity 0 (sky), up to a guess of range; where no range
@@ -41,6 +40,9 @@ class OpenSpace {
     /// Conservative: all and none hold for every point of the box.
     BoxSight look(const BoxInCamera& box) const;
 
+    /// Whether a sample's surface lies in the box; looks at every sample seen through it, so it should be small.
+    bool holdsSample(const BoxInCamera& box) const;
+
     /// Metres between neighbouring samples' rays at that depth.
     double spacingAt(double zMetres) const { return zMetres / focal_; }
 
@@ -53,6 +55,13 @@ class OpenSpace {
         int width = 0, height = 0;
         std::vector<Span> spans;
     };
+    /// The samples seen through a box before the camera, first to last; empty if it is outside the image.
+    struct Rectangle {
+        int left = 0, top = 0, right = -1, bottom = -1;
+        bool isWhole = false; ///< nothing of it is cut off by the image's border
+        bool isEmpty() const { return right < left || bottom < top; }
+    };
+    Rectangle rectangleOf(const BoxInCamera& box) const;
     void continuePast(const DepthImage& image, std::span<const DepthImage* const> companions, int margin);
     void closeGaps();
     void buildPyramid();

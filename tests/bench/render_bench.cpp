@@ -181,7 +181,7 @@ void eyesAtOnceAgainstInTurn(benchmark::State& state) {
     const GpuScene scene(benchDevice(), fine.blocks());
     const DescriptorSetLayout eyeLayout = makeEyeLayout(benchDevice());
     const auto passOf = [&](Warp warp) { return makeWarpPass(benchDevice(), warp, scene.pageLayout(), eyeLayout); };
-    const WarpPasses warps{passOf(Warp::points), passOf(Warp::mesh), passOf(Warp::adaptive)};
+    const WarpPasses warps{passOf(Warp::points), passOf(Warp::mesh), passOf(Warp::adaptive), passOf(Warp::splats)};
     CommandStreams streams(benchDevice(), 2);
     const auto [left, right] = scene::eyesOf(wideView().camera, wideView().worldFromEye, 0.063);
     const std::array views{left, right};

@@ -48,14 +48,6 @@ SHARED_FUNCTION uint countOf(vec4 spot, vec2 offset) {
     return uint(int(count));
 }
 
-/// The pixels whose centres are within reach of a position, first and end, along one side of an image of that size.
-SHARED_FUNCTION ivec2 touchedBy(float position, float reach, float size) {
-    PRECISE float first = ceil(position - reach - 0.5f);
-    PRECISE float end = floor(position + reach + 0.5f);
-    // Clamped as floats: far outside, the conversion to int is undefined.
-    return ivec2(int(clamp(first, 0.0f, size)), int(clamp(end, 0.0f, size)));
-}
-
 /// What is added to the two words of a pixel, each as (low, high). colour: r | g << 8 | b << 16.
 SHARED_FUNCTION uvec2 redGreenOf(uint colour, uint count) {
     return uvec2((colour & 255u) * count, ((colour >> 8) & 255u) * count);

@@ -13,12 +13,12 @@
 SHARED_BEGIN
 
 struct TileDraw {
-    vec4 base;  ///< h of the tile's first sample at its minDisparity
-    vec4 perX;  ///< what one sample to the right adds
-    vec4 perY;  ///< one sample down
-    vec4 perQ;  ///< one step of quantised disparity
-    uvec4 span; ///< first vertex (facets: texel; splats: bits of their radius) in the page; first item (vertex, quad or
-                ///< facet); items; see packMark
+    vec4 base;    ///< h of the tile's first sample at its minDisparity
+    vec4 perX;    ///< what one sample to the right adds
+    vec4 perY;    ///< one sample down
+    vec4 perQ;    ///< one step of quantised disparity
+    uvec4 span;   ///< first vertex (facets: texel; splats: see splat.h) in the page; first item (vertex, quad or facet);
+                  ///< items; see packMark
     uvec4 source; ///< first sample in its image, x and y; level of detail | texels in a row << 8; image
     vec4 detail;  ///< see isOfDetail; x 0: all samples are drawn
 };
@@ -85,6 +85,14 @@ SHARED_FUNCTION vec3 project(vec4 h) {
 SHARED_FUNCTION float firstOfFootprint(float position, int size) {
     PRECISE float first = floor(position - 0.5f * float(size - 1));
     return first;
+}
+
+/// The pixels whose centres are within reach of a position, first and end, along one side of an image of that size.
+SHARED_FUNCTION ivec2 touchedBy(float position, float reach, float size) {
+    PRECISE float first = ceil(position - reach - 0.5f);
+    PRECISE float end = floor(position + reach + 0.5f);
+    // Clamped as floats: far outside, the conversion to int is undefined.
+    return ivec2(int(clamp(first, 0.0f, size)), int(clamp(end, 0.0f, size)));
 }
 
 SHARED_END

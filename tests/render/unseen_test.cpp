@@ -1,0 +1,264 @@
+// The walk through coverage: shared code on the processor against the tree itself, the device against the shared code.
+
+#include "render/post/unseen.h"
+#include "scene/coverage.h"
+#include "tests/render/test_device.h"
+#include "tests/render/test_scenes.h"
+#include "tests/scene/random_coverage.h"
+
+#include <array>
+#include <cmath>
+#include <random>
+
+namespace render {
+namespace {
+
+/// The tree's texels as the shared code asks for them.
+struct Texels {
+    std::vector<std::array<std::uint32_t, 2>> words;
+    explicit Texels(const scene::Coverage& coverage) : words(coverageTexels(coverage)) {}
+    uvec2 operator()(uint index) const { return {words.at(index)[0], words.at(index)[1]}; }
+};
+
+/// Half of the room of takeRoom, as if nobody had looked behind x = 0.6, nor into a corner above.
+scene::Coverage roomCoverage(const glm::dvec3& offset = glm::dvec3(0)) {
+    scene::Coverage coverage;
+    coverage.cornerInWorld = offset - glm::dvec3(8);
+    coverage.edgeMetres = 16;
+    const auto kindAt = [](const glm::dvec3& least, double edge) {
+        const auto isIn = [&](const glm::dvec3& p) { return p.x >= 0.6 || (p.y < -0.3 && p.z > 1.1); };
+        int inside = 0;
+        for (int corner = 0; corner < 8; ++corner)
+            inside += isIn(least + edge * glm::dvec3(corner & 1, corner / 2 & 1, corner / 4)) ? 1 : 0;
+        return inside;
+    };
+    struct Open {
+        std::size_t index;
+        glm::dvec3 least;
+        double edge;
+        int level;
+    };
+    coverage.nodes.resize(1);
+    std::vector<Open> open{{0, glm::dvec3(-8), 16, 1}};
+    for (std::size_t i = 0; i < open.size(); ++i) {
+        const Open at = open[i];
+        scene::CoverageNode node;
+        node.firstChild = static_cast<std::uint32_t>(coverage.nodes.size());
+        const double cell = at.edge / 4;
+        for (int bit = 0; bit < 64; ++bit) {
+            const glm::dvec3 least = at.least + cell * glm::dvec3(bit % 4, bit / 4 % 4, bit / 16);
+            const int inside = kindAt(least, cell);
+            if (inside != 0 && inside != 8 && at.level < 4) {
+                node.children |= scene::coverageMask(bit);
+                open.push_back({coverage.nodes.size(), least, cell, at.level + 1});
+                coverage.nodes.emplace_back();
+            } else if (inside > 4) {
+                node.unseen |= scene::coverageMask(bit);
+            }
+        }
+        if (node.children == 0) node.firstChild = 0;
+        coverage.nodes[at.index] = node;
+    }
+    return coverage;
+}
+
+TEST(UnseenWalk, FindsTheCellsOfTheTree) {
+    const scene::Coverage coverage = scene::randomCoverage(1, 3);
+    const Texels texels(coverage);
+    std::mt19937 random(2);
+    const auto uniform = [&] { return static_cast<double>(random()) / 4294967296.0; };
+    int unseen = 0;
+    for (int i = 0; i < 20000; ++i) {
+        const glm::dvec3 p(uniform(), uniform(), uniform());
+        const bool isUnseen =
+            scene::observedAt(coverage, coverage.cornerInWorld + coverage.edgeMetres * p) == scene::Observed::unseen;
+        unseen += isUnseen ? 1 : 0;
+        // At a face between two cells single precision may choose the other one.
+        const glm::dvec3 inFinest = p * 64.0 - glm::floor(p * 64.0);
+        if (std::min({inFinest.x, inFinest.y, inFinest.z}) < 1e-4 ||
+            std::max({inFinest.x, inFinest.y, inFinest.z}) > 1 - 1e-4)
+            continue;
+        ASSERT_EQ(unseenCellAt(texels, vec3(p)).isUnseen, isUnseen) << p.x << " " << p.y << " " << p.z;
+    }
+    EXPECT_GT(unseen, 4000);
+}
+
+/// The first unseen point on a ray in steps far smaller than the cells; asked of the tree itself.
+double firstUnseen(const scene::Coverage& coverage, const glm::dvec3& eye, const glm::dvec3& direction, double end) {
+    for (double t = 0; t < end; t += 2e-4) {
+        const glm::dvec3 p = coverage.cornerInWorld + coverage.edgeMetres * (eye + t * direction);
+        const auto cell = cellAt(coverage, p);
+        if (!cell) return end;
+        if (cell->observed == scene::Observed::unseen) return t;
+    }
+    return end;
+}
+
+TEST(UnseenWalk, StopsWhereTheRayEntersTheUnseen) {
+    const scene::Coverage coverage = scene::randomCoverage(3, 3, 0.08);
+    const Texels texels(coverage);
+    std::mt19937 random(4);
+    const auto uniform = [&] { return static_cast<double>(random()) / 4294967296.0; };
+    int met = 0, differ = 0;
+    for (int i = 0; i < 1000; ++i) {
+        const glm::dvec3 eye(uniform(), uniform(), uniform());
+        const glm::dvec3 direction(uniform() - 0.5, uniform() - 0.5, uniform() - 0.5);
+        const double end = uniform();
+        const double expected = firstUnseen(coverage, eye, direction, end);
+        const UnseenHit hit = walkToUnseen(texels, vec3(eye), vec3(direction), 0.0f, static_cast<float>(end));
+        met += hit.isUnseen ? 1 : 0;
+        // Steps may pass over the corner of a cell that the walk finds.
+        if (hit.isUnseen != (expected < end) || (hit.isUnseen && std::abs(double{hit.depth} - expected) > 5e-4))
+            ++differ;
+    }
+    EXPECT_GT(met, 300);
+    EXPECT_LT(met, 950);
+    EXPECT_LE(differ, 10);
+}
+
+TEST(UnseenWalk, AnEyeInThePocketLooksThroughIt) {
+    scene::Coverage coverage;
+    coverage.edgeMetres = 4;
+    coverage.nodes.resize(1);
+    for (int bit = 0; bit < 64; ++bit)
+        if (bit % 4 == 0 || bit % 4 == 3) coverage.nodes[0].unseen |= scene::coverageMask(bit); // x < 1 and x > 3
+    const Texels texels(coverage);
+    const auto walk = [&](double x, float pocket, float end) {
+        return walkToUnseen(texels, vec3(static_cast<float>(x) / 4, 0.6f, 0.6f), vec3(0.25f, 0.001f, 0.002f), pocket,
+                            end);
+    };
+    EXPECT_TRUE(walk(0.5, 0, kRayInfinity).isUnseen);
+    EXPECT_FLOAT_EQ(walk(0.5, 0, kRayInfinity).depth, 0);
+    EXPECT_NEAR(walk(0.5, 1, kRayInfinity).depth, 2.5f, 1e-3f) << "looked through to the other side";
+    EXPECT_FALSE(walk(0.5, 1, 2).isUnseen);
+    EXPECT_NEAR(walk(0.5, 0.3f, kRayInfinity).depth, 0.5f, 1e-3f) << "too deep: shown where it ends";
+    EXPECT_TRUE(walk(0.5, 0.3f, 0.4f).isUnseen);
+    EXPECT_FALSE(walk(0.5, 0.3f, 0.2f).isUnseen);
+    EXPECT_NEAR(walk(1.5, 0, kRayInfinity).depth, 1.5f, 1e-3f);
+    EXPECT_NEAR(walk(1.5, 1, kRayInfinity).depth, 1.5f, 1e-3f) << "an eye in seen space has no pocket";
+    EXPECT_NEAR(walk(-0.5, 2, kRayInfinity).depth, 3.5f, 1e-3f) << "from without";
+    EXPECT_TRUE(walk(-3, 2, kRayInfinity).isUnseen);
+    EXPECT_TRUE(walk(5, 2, kRayInfinity).isUnseen) << "away from all that is known";
+    EXPECT_FALSE(walk(5, 2, 1).isUnseen);
+}
+
+class Unseen : public RenderTest {
+  protected:
+    std::vector<EyeImage> draw(std::span<const scene::View> eyes, const scene::Coverage* coverage,
+                               const Quality& quality = {}, const glm::dvec3& offset = glm::dvec3(0)) {
+        const scene::Camera camera = cameraOf(200, 150, 1.4);
+        const CutScene room = cut({takeRoom(camera, poseAt(glm::dvec3(0), 0.1, 0), offset)});
+        const auto blocks = room.blocks();
+        const GpuScene scene(testDevice(), blocks);
+        std::optional<GpuCoverage> onDevice;
+        if (coverage != nullptr) onDevice.emplace(testDevice(), *coverage);
+        Renderer renderer(testDevice(), scene, eyes[0].camera.width, eyes[0].camera.height,
+                          static_cast<int>(eyes.size()), onDevice ? &*onDevice : nullptr);
+        renderer.draw(eyes, quality);
+        stats_ = renderer.finish();
+        return renderer.readBack();
+    }
+    static std::array<scene::View, 2> eyesAt(const glm::dvec3& offset = glm::dvec3(0)) {
+        const auto [left, right] =
+            scene::eyesOf(cameraOf(160, 120, 1.2), poseAt(offset + glm::dvec3(-0.3, 0.05, 0.1), 0.2, -0.05), 0.063);
+        return {left, right};
+    }
+    FrameStats stats_;
+};
+
+TEST_F(Unseen, PixelsAreThoseOfTheProcessor) {
+    const scene::Coverage coverage = roomCoverage();
+    const Texels texels(coverage);
+    const auto eyes = eyesAt();
+    for (const double pocket : {0.0, 1.0}) {
+        Quality quality;
+        quality.unseenPocketMetres = pocket;
+        const std::vector<EyeImage> drawn = draw(eyes, &coverage, quality);
+        const std::vector<EyeImage> before = draw(eyes, nullptr, quality);
+        for (std::size_t eye = 0; eye < 2; ++eye) {
+            const UnseenConstants c = unseenConstants(coverage.cornerInWorld, coverage.edgeMetres, eyes[eye], quality);
+            int differ = 0, unseen = 0, kept = 0;
+            for (int y = 0; y < 120; ++y)
+                for (int x = 0; x < 160; ++x) {
+                    const float end = unseenEnd(c, before[eye].pixelClass(x, y), before[eye].depthMetres(x, y));
+                    const vec3 direction = rayOf(c, static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f);
+                    const UnseenHit hit = walkToUnseen(texels, vec3(c.eye), direction, c.eye.w, end);
+                    ++(hit.isUnseen ? unseen : kept);
+                    if (!hit.isUnseen) {
+                        differ += drawn[eye].pixelClass(x, y) != before[eye].pixelClass(x, y) ||
+                                  drawn[eye].colour(x, y) != before[eye].colour(x, y) ||
+                                  drawn[eye].depthMetres(x, y) != before[eye].depthMetres(x, y);
+                        continue;
+                    }
+                    const uint colour = unseenColour(c, direction, hit.depth);
+                    const scene::Rgb8 shown = drawn[eye].colour(x, y);
+                    const bool isAlike = std::abs(int(colour & 255u) - shown.r) <= 1 &&
+                                         std::abs(int(colour >> 8 & 255u) - shown.g) <= 1 &&
+                                         std::abs(int(colour >> 16 & 255u) - shown.b) <= 1;
+                    const bool isThere = hit.depth >= kRayInfinity
+                                             ? std::isinf(drawn[eye].depthMetres(x, y))
+                                             : std::abs(drawn[eye].depthMetres(x, y) / hit.depth - 1) < 1e-4f;
+                    differ += !isAlike || !isThere || drawn[eye].pixelClass(x, y) != 3;
+                }
+            EXPECT_LE(differ, 4) << "eye " << eye; // at faces of cells, by rounding
+            EXPECT_GT(unseen, 3000);
+            EXPECT_GT(kept, 3000);
+        }
+    }
+}
+
+TEST_F(Unseen, BothEyesSeeOnePatternInTheWorld) {
+    const scene::Coverage coverage = roomCoverage();
+    const auto eyes = eyesAt();
+    const Quality quality;
+    const std::vector<EyeImage> drawn = draw(eyes, &coverage, quality);
+    const UnseenConstants right = unseenConstants(coverage.cornerInWorld, coverage.edgeMetres, eyes[1], quality);
+    int compared = 0, worst = 0, light = 0;
+    for (int y = 0; y < 120; ++y)
+        for (int x = 0; x < 160; ++x) {
+            if (drawn[0].pixelClass(x, y) != 3 || std::isinf(drawn[0].depthMetres(x, y))) continue;
+            const double z = double{drawn[0].depthMetres(x, y)};
+            const glm::dvec3 p = eyes[0].worldFromEye * (z * scene::rayThrough(eyes[0].camera, x + 0.5, y + 0.5));
+            const glm::dvec3 inRight = inverse(eyes[1].worldFromEye) * p;
+            const glm::dvec2 at = project(eyes[1].camera, inRight);
+            const uint there = unseenColour(right, rayOf(right, static_cast<float>(at.x), static_cast<float>(at.y)),
+                                            static_cast<float>(inRight.z));
+            worst = std::max(worst, std::abs(int(there & 255u) - drawn[0].colour(x, y).r));
+            light += drawn[0].colour(x, y).r > 42 ? 1 : 0;
+            ++compared;
+        }
+    EXPECT_GT(compared, 3000);
+    EXPECT_LE(worst, 2);
+    EXPECT_GT(light, compared / 4);
+    EXPECT_LT(light, 3 * compared / 4);
+}
+
+TEST_F(Unseen, HiddenItIsAsIfNothingWereKnown) {
+    const scene::Coverage coverage = roomCoverage();
+    Quality quality;
+    quality.showUnseen = false;
+    const auto eyes = eyesAt();
+    const std::vector<EyeImage> hidden = draw(eyes, &coverage, quality);
+    for (const StepTime& time : stats_.gpu)
+        EXPECT_STRNE(time.step, "unseen");
+    const std::vector<EyeImage> without = draw(eyes, nullptr);
+    for (std::size_t eye = 0; eye < 2; ++eye)
+        EXPECT_TRUE(isSame(hidden[eye], without[eye]));
+}
+
+TEST_F(Unseen, FarFromTheOriginItLooksTheSame) {
+    const glm::dvec3 offset(1 << 23, -(1 << 24), 1 << 22);
+    const scene::Coverage here = roomCoverage(), there = roomCoverage(offset);
+    const auto near = draw(eyesAt(), &here);
+    const auto far = draw(eyesAt(offset), &there, {}, offset);
+    for (std::size_t eye = 0; eye < 2; ++eye) {
+        int differ = 0;
+        for (std::size_t i = 0; i < near[eye].pixelClass.size(); ++i)
+            differ += near[eye].pixelClass.pixels()[i] != far[eye].pixelClass.pixels()[i] ||
+                      std::abs(near[eye].colour.pixels()[i].r - far[eye].colour.pixels()[i].r) > 1;
+        EXPECT_LE(differ, 20);
+    }
+}
+
+} // namespace
+} // namespace render

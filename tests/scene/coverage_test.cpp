@@ -1,0 +1,176 @@
+#include "scene/coverage.h"
+
+#include "scene/errors.h"
+#include "tests/scene/random_coverage.h"
+#include "tests/scene/scratch_folder.h"
+
+#include <cstring>
+#include <fstream>
+#include <functional>
+#include <random>
+
+#include <gtest/gtest.h>
+#include <xxhash.h>
+
+namespace scene {
+namespace {
+
+constexpr std::size_t kHeaderBytes = 72, kHeaderChecked = 64, kCornerAt = 16, kEdgeAt = 40;
+
+/// Every cell of the tree, written into all the finest cells it consists of.
+std::vector<Observed> spreadOut(const Coverage& coverage, int side) {
+    std::vector<Observed> kinds(static_cast<std::size_t>(side) * side * side);
+    const std::function<void(std::size_t, int, int, int, int)> fill = [&](std::size_t index, int x0, int y0, int z0,
+                                                                          int edge) {
+        const CoverageNode& node = coverage.nodes[index];
+        const int cell = edge / kCoverageBranching;
+        std::uint32_t child = node.firstChild;
+        for (int bit = 0; bit < 64; ++bit) {
+            const int x = x0 + bit % 4 * cell, y = y0 + bit / 4 % 4 * cell, z = z0 + bit / 16 * cell;
+            if ((node.children >> bit & 1) != 0) {
+                fill(child++, x, y, z, cell);
+                continue;
+            }
+            const Observed kind = (node.unseen >> bit & 1) != 0    ? Observed::unseen
+                                  : (node.surface >> bit & 1) != 0 ? Observed::surface
+                                                                   : Observed::empty;
+            for (int dz = 0; dz < cell; ++dz)
+                for (int dy = 0; dy < cell; ++dy)
+                    for (int dx = 0; dx < cell; ++dx)
+                        kinds[static_cast<std::size_t>((z + dz) * side + y + dy) * side + x + dx] = kind;
+        }
+    };
+    fill(0, 0, 0, 0, side);
+    return kinds;
+}
+
+TEST(Coverage, EveryPointIsInTheCellThatHoldsIt) {
+    const Coverage coverage = randomCoverage(3, 3);
+    constexpr int kSide = 64;
+    const std::vector<Observed> kinds = spreadOut(coverage, kSide);
+    const double step = coverage.edgeMetres / kSide;
+    for (int z = 0; z < kSide; ++z)
+        for (int y = 0; y < kSide; ++y)
+            for (int x = 0; x < kSide; ++x) {
+                const glm::dvec3 p = coverage.cornerInWorld + step * glm::dvec3(x + 0.4, y + 0.5, z + 0.6);
+                const std::optional<CoverageCell> cell = cellAt(coverage, p);
+                ASSERT_TRUE(cell);
+                ASSERT_EQ(cell->observed, kinds[static_cast<std::size_t>(z * kSide + y) * kSide + x]);
+                for (int axis = 0; axis < 3; ++axis) {
+                    ASSERT_GE(p[axis], cell->cornerInWorld[axis]);
+                    ASSERT_LT(p[axis], cell->cornerInWorld[axis] + cell->edgeMetres);
+                }
+            }
+}
+
+TEST(Coverage, OutsideNothingWasObserved) {
+    Coverage coverage;
+    coverage.edgeMetres = 2;
+    coverage.nodes.resize(1); // all seen empty
+    EXPECT_EQ(observedAt(coverage, {1, 1, 1}), Observed::empty);
+    EXPECT_EQ(observedAt(coverage, {1, 2, 1}), Observed::unseen);
+    EXPECT_EQ(observedAt(coverage, {-1e-9, 1, 1}), Observed::unseen);
+    EXPECT_FALSE(cellAt(coverage, {1, 1, std::nan("")}));
+}
+
+TEST(Coverage, VolumesAreThoseOfTheCells) {
+    const Coverage coverage = randomCoverage(4, 3);
+    std::array<double, 3> counted{};
+    for (const Observed kind : spreadOut(coverage, 64))
+        counted[static_cast<std::size_t>(kind)] += std::pow(coverage.edgeMetres / 64, 3);
+    const std::array<double, 3> volumes = volumesOf(coverage);
+    for (std::size_t kind = 0; kind < 3; ++kind)
+        EXPECT_NEAR(volumes[kind], counted[kind], 1e-9 * counted[kind]);
+    EXPECT_DOUBLE_EQ(finestCellOf(coverage), coverage.edgeMetres / 64);
+}
+
+class CoverageFile : public testing::Test {
+  protected:
+    void SetUp() override {
+        coverage_ = randomCoverage(5, 2);
+        writeCoverage(coverage_, path_);
+        bytes_ = bytesOfFile(path_);
+    }
+    /// What reading says of a file with these bytes; empty if it says nothing.
+    std::string complaintAbout(const std::string& bytes) const {
+        writeFile(path_, bytes);
+        return failureOf<Failure>([&] { readCoverage(path_); });
+    }
+    /// With checksums that fit, as a program that errs would write it.
+    std::string complaintAboutNodes(const std::function<void(std::vector<CoverageNode>&)>& change) const {
+        Coverage changed = coverage_;
+        change(changed.nodes);
+        writeCoverage(changed, path_);
+        return complaintAbout(bytesOfFile(path_));
+    }
+
+    ScratchFolder scratch_;
+    std::filesystem::path path_ = scratch_ / kCoverageFile;
+    Coverage coverage_;
+    std::string bytes_;
+};
+
+TEST_F(CoverageFile, ComesBackAsItWas) {
+    EXPECT_EQ(readCoverage(path_), coverage_);
+    EXPECT_EQ(bytes_.size(), kHeaderBytes + coverage_.nodes.size() * sizeof(CoverageNode));
+}
+
+TEST_F(CoverageFile, ADamagedByteAnywhereIsNoticed) {
+    for (std::size_t at = 0; at < bytes_.size(); at += at < kHeaderBytes ? 1 : 37) {
+        std::string damaged = bytes_;
+        damaged[at] = static_cast<char>(damaged[at] ^ 0x10);
+        EXPECT_NE(complaintAbout(damaged).find(path_.string()), std::string::npos) << "byte " << at;
+    }
+}
+
+TEST_F(CoverageFile, AFileOfAnotherLengthIsNoticed) {
+    for (std::size_t length = 0; length < bytes_.size(); length += 61)
+        EXPECT_NE(complaintAbout(bytes_.substr(0, length)), "") << length;
+    EXPECT_NE(complaintAbout(bytes_ + '\0'), "");
+    EXPECT_NE(complaintAbout(bytes_ + std::string(sizeof(CoverageNode), '\0')), "");
+}
+
+TEST_F(CoverageFile, AMissingFileIsNamed) {
+    std::filesystem::remove(path_);
+    EXPECT_THROW(readCoverage(path_), Failure);
+}
+
+TEST_F(CoverageFile, NodesThatAreNoTreeAreNoticed) {
+    EXPECT_EQ(complaintAboutNodes([](auto&) {}), "");
+    EXPECT_NE(complaintAboutNodes([](auto& nodes) { nodes[0].unseen |= nodes[0].children; }), "");
+    EXPECT_NE(complaintAboutNodes([](auto& nodes) { nodes[0].surface |= nodes[0].children; }), "");
+    EXPECT_NE(complaintAboutNodes([](auto& nodes) { nodes[1].unseen = nodes[1].surface = 1; }), "");
+    EXPECT_NE(complaintAboutNodes([](auto& nodes) { nodes[0].firstChild = 0; }), "");
+    EXPECT_NE(complaintAboutNodes([](auto& nodes) { nodes[0].firstChild = 1u << 30; }), "");
+    EXPECT_NE(complaintAboutNodes([](auto& nodes) { nodes.pop_back(); }), "");
+    EXPECT_NE(complaintAboutNodes([](auto& nodes) { nodes.emplace_back(); }), "");
+    EXPECT_NE(complaintAboutNodes([](auto& nodes) { // its own child, and so on for ever
+                  nodes.back() = {0, 0, 1, static_cast<std::uint32_t>(nodes.size()) - 1, 0};
+              }),
+              "");
+    EXPECT_NE(complaintAboutNodes([](auto& nodes) { nodes.clear(); }), "");
+}
+
+TEST_F(CoverageFile, DeeperThanCanBeWalkedIsNoticed) {
+    const auto chain = [](auto& nodes, std::size_t length) {
+        nodes.assign(length, {});
+        for (std::size_t i = 0; i + 1 < length; ++i)
+            nodes[i] = {0, 0, 1, static_cast<std::uint32_t>(i + 1), 0};
+    };
+    EXPECT_EQ(complaintAboutNodes([&](auto& nodes) { chain(nodes, kMaxCoverageLevels); }), "");
+    EXPECT_NE(complaintAboutNodes([&](auto& nodes) { chain(nodes, kMaxCoverageLevels + 1); }), "");
+}
+
+TEST_F(CoverageFile, APlaceThatIsNoneIsNoticed) {
+    for (const std::size_t at : {kCornerAt, kCornerAt + 16, kEdgeAt})
+        for (const double value : {std::nan(""), HUGE_VAL, -HUGE_VAL}) {
+            std::string changed = bytes_;
+            std::memcpy(changed.data() + at, &value, sizeof value);
+            const std::uint64_t checksum = XXH3_64bits(changed.data(), kHeaderChecked);
+            std::memcpy(changed.data() + kHeaderChecked, &checksum, sizeof checksum);
+            EXPECT_NE(complaintAbout(changed), "") << at << " " << value;
+        }
+}
+
+} // namespace
+} // namespace scene

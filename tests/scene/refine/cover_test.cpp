@@ -1,0 +1,195 @@
+#include "scene/refine/cover.h"
+
+#include "scene/refine/skins.h"
+#include "tests/scene/known_scenes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include <glm/geometric.hpp>
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+namespace scene {
+namespace {
+
+const Camera kCamera{64, 48, 50, 50, 32, 24};
+
+/// A wall 2 m before the camera, which looks along the world's z; its left half is at 1 m.
+DepthImage stepImage(const Pose& worldFromCamera = {}) {
+    DepthImage image = imageOf(kCamera, worldFromCamera, [](double x, double) { return x < kCamera.cx ? 1.0 : 0.5; });
+    image.name = "step";
+    for (int y = 0; y < kCamera.height; ++y) // the triangles between the halves
+        image.flags(kCamera.width / 2 - 1, y) = kSkinUpper | kSkinLower;
+    return image;
+}
+
+Coverage coverOf(std::vector<DepthImage> images, const CoverOptions& options = {}) {
+    ImageStore store(std::move(images));
+    CoverFigures figures;
+    return cover(store, options, figures);
+}
+
+/// What the images' own samples say of a point: observed if it is before some image's sample there. dx, dy: asked as
+/// many samples beside; stretch: of the point's disparity.
+bool isObservedAt(const std::vector<DepthImage>& images, const glm::dvec3& p, double dx, double dy, double stretch) {
+    return std::ranges::any_of(images, [&](const DepthImage& image) {
+        const glm::dvec3 inCamera = inverse(image.worldFromCamera) * p;
+        if (inCamera.z <= 0) return false;
+        const glm::dvec2 at = project(image.camera, inCamera) + glm::dvec2(dx, dy);
+        if (!(at.x >= 0 && at.y >= 0 && at.x < image.camera.width && at.y < image.camera.height)) return false;
+        const int x = static_cast<int>(at.x), y = static_cast<int>(at.y);
+        return isDrawable(image.flags(x, y)) && stretch / inCamera.z >= double{image.disparity(x, y)};
+    });
+}
+
+/// Nothing within so many samples, nor within that share of depth, would change the answer.
+bool isClear(const std::vector<DepthImage>& images, const glm::dvec3& p, bool observed, double samples, double share) {
+    for (const double dx : {-1.0, -0.5, 0.0, 0.5, 1.0})
+        for (const double dy : {-1.0, -0.5, 0.0, 0.5, 1.0})
+            for (const double stretch : {1 - share, 1.0, 1 + share})
+                if (isObservedAt(images, p, dx * samples, dy * samples, stretch) != observed) return false;
+    return true;
+}
+
+double distanceToSamples(const std::vector<DepthImage>& images, const glm::dvec3& p) {
+    double least = 1e9;
+    for (const DepthImage& image : images)
+        for (int y = 0; y < image.camera.height; ++y)
+            for (int x = 0; x < image.camera.width; ++x)
+                if (isSurface(image.flags(x, y)) && image.disparity(x, y) > 0)
+                    least = std::min(
+                        least, glm::length(pointInWorld(image, x + 0.5, y + 0.5, double{image.disparity(x, y)}) - p));
+    return least;
+}
+
+void expectAgrees(const Coverage& coverage, const std::vector<DepthImage>& images) {
+    std::mt19937 random(11);
+    const auto uniform = [&] { return static_cast<double>(random()) / 4294967296.0; };
+    int seen = 0, unseen = 0, surfaces = 0;
+    for (int i = 0; i < 40000; ++i) {
+        const glm::dvec3 p = coverage.cornerInWorld + coverage.edgeMetres * glm::dvec3(uniform(), uniform(), uniform());
+        const bool observed = isObservedAt(images, p, 0, 0, 1);
+        const std::optional<CoverageCell> cell = cellAt(coverage, p);
+        ASSERT_TRUE(cell);
+        const Observed kept = cell->observed;
+        if (kept == Observed::surface) { // cells there are some samples wide: it must be near one, no more
+            if (++surfaces % 16 == 0) {
+                ASSERT_LT(distanceToSamples(images, p), 2 * cell->edgeMetres + 0.02) << p.x << " " << p.y << " " << p.z;
+            }
+            continue;
+        }
+        if (!isClear(images, p, observed, 1.5, 0.07)) continue;
+        ++(observed ? seen : unseen);
+        ASSERT_EQ(kept, observed ? Observed::empty : Observed::unseen) << p.x << " " << p.y << " " << p.z;
+    }
+    EXPECT_GT(surfaces, 32);
+    EXPECT_GT(seen, 500);
+    EXPECT_GT(unseen, 500);
+}
+
+/// As the stages before leave them: silhouettes marked.
+std::vector<DepthImage> markedImages(int count) {
+    std::vector<DepthImage> images = imagesOfBareRoom(count);
+    SkinFigures figures;
+    for (DepthImage& image : images)
+        image.flags = markPlanarSkins(image, SkinOptions{}.planarity, figures);
+    return images;
+}
+
+TEST(Cover, AgreesWithTheSamplesOfOneImage) {
+    expectAgrees(coverOf({stepImage()}), {stepImage()});
+}
+
+TEST(Cover, WhatEitherImageSawIsObserved) {
+    std::vector<DepthImage> images{stepImage(), stepImage(poseFromQuaternion({1.2, 0.1, 0.4}, 0, -0.2, 0, 1))};
+    images[1].name = "other";
+    expectAgrees(coverOf(images), images);
+}
+
+TEST(Cover, AgreesWithImagesOfARoom) {
+    const std::vector<DepthImage> images = markedImages(4);
+    expectAgrees(coverOf(images), images);
+}
+
+TEST(Cover, ASurfaceIsKeptAsOne) {
+    const Coverage coverage = coverOf({stepImage()});
+    EXPECT_EQ(observedAt(coverage, {0.3, 0.05, 2}), Observed::surface);
+    EXPECT_EQ(observedAt(coverage, {-0.3, 0.05, 1}), Observed::surface);
+    EXPECT_EQ(observedAt(coverage, {0.3, 0.05, 1}), Observed::empty);
+    EXPECT_EQ(observedAt(coverage, {0.01, 0.05, 1.5}), Observed::empty) << "just beside the nearer half";
+    EXPECT_EQ(observedAt(coverage, {-0.3, 0.05, 1.5}), Observed::unseen);
+}
+
+TEST(Cover, ARayWithoutRangeProvesNothingAndSkyIsOpenWithoutEnd) {
+    DepthImage image = stepImage();
+    for (int y = 10; y < 30; ++y)
+        for (int x = 40; x < 60; ++x)
+            image.flags(x, y) = kNoSurface, image.disparity(x, y) = 0;
+    const auto through = [](double x, double y, double z) { return z * rayThrough(kCamera, x, y); };
+    EXPECT_EQ(observedAt(coverOf({image}), through(50, 20, 1.5)), Observed::unseen);
+    EXPECT_EQ(observedAt(coverOf({image}), through(50, 40, 1.5)), Observed::empty);
+
+    for (int y = 10; y < 30; ++y)
+        for (int x = 40; x < 60; ++x)
+            image.flags(x, y) = 0;
+    EXPECT_EQ(observedAt(coverOf({image}), through(50, 20, 1.5)), Observed::empty);
+    EXPECT_EQ(observedAt(coverOf({image}), through(50, 20, 2.05)), Observed::empty);
+
+    for (int y = 10; y < 30; ++y)
+        for (int x = 40; x < 60; ++x)
+            image.flags(x, y) = kNoSurface | kInterpolated, image.disparity(x, y) = 0.8f; // a guess at 1.25 m
+    EXPECT_EQ(observedAt(coverOf({image}), through(50, 20, 1.1)), Observed::empty);
+    EXPECT_EQ(observedAt(coverOf({image}), through(50, 20, 1.5)), Observed::unseen);
+}
+
+TEST(Cover, FacesOfOneScanLeaveNoSeamBetweenThem) {
+    const auto wall = [](double, double) { return 0.5; };
+    const Camera square{48, 48, 24, 24, 24, 24};
+    std::vector<DepthImage> faces{
+        imageOf(square, {}, wall),
+        imageOf(square, poseFromQuaternion({0, 0, 0}, 0, std::sqrt(0.5), 0, std::sqrt(0.5)), wall)};
+    faces[0].name = "front", faces[1].name = "right";
+    const Coverage coverage = coverOf(faces);
+    for (double t = 0.1; t < 1.9; t += 0.003)
+        ASSERT_NE(observedAt(coverage, {t, 0.05 * t, t}), Observed::unseen) << t;
+}
+
+TEST(Cover, IsTheSameOnAnyNumberOfThreads) {
+    const std::vector<DepthImage> images = markedImages(3);
+    const Coverage many = coverOf(images);
+    const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+    EXPECT_EQ(coverOf(images), many);
+}
+
+TEST(Cover, FarFromTheOriginItIsTheSame) {
+    const Coverage here = coverOf({stepImage()});
+    const Coverage there = coverOf({stepImage({glm::dmat3(1.0), {1e7, -2e7, 3e6}})});
+    EXPECT_NEAR(there.edgeMetres, here.edgeMetres, 1e-7);
+    EXPECT_EQ(observedAt(there, {1e7 + 0.3, -2e7 + 0.05, 3e6 + 1}), Observed::empty);
+    EXPECT_EQ(observedAt(there, {1e7 - 0.3, -2e7 + 0.05, 3e6 + 1.5}), Observed::unseen);
+    EXPECT_LE(std::abs(std::ssize(there.nodes) - std::ssize(here.nodes)), std::ssize(here.nodes) / 100);
+}
+
+TEST(Cover, WhatWouldTakeTooMuchIsKeptCoarser) {
+    ImageStore store(markedImages(3));
+    CoverFigures fine, coarse;
+    cover(store, {}, fine);
+    CoverOptions options;
+    options.maxNodes = fine.nodes / 3;
+    cover(store, options, coarse);
+    EXPECT_LE(coarse.nodes, options.maxNodes);
+    EXPECT_LT(coarse.cellsPerSample, fine.cellsPerSample);
+    EXPECT_NEAR(coarse.unseenCubicMetres, fine.unseenCubicMetres, 0.1 * fine.unseenCubicMetres);
+}
+
+TEST(Cover, NothingAtAllIsUnseen) {
+    EXPECT_EQ(observedAt(coverOf({}), {0, 0, 0}), Observed::unseen);
+    DepthImage blind = stepImage();
+    std::ranges::fill(blind.flags.pixels(), kNoSurface);
+    EXPECT_EQ(observedAt(coverOf({blind}), {0, 0, 1e-4}), Observed::unseen);
+}
+
+} // namespace
+} // namespace scene
