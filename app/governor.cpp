@@ -25,7 +25,8 @@ struct Way {
 constexpr std::array kWays{
     Way{"blended", [](const render::Quality& q) { return q.isBlended; }, [](render::Quality& q) { q.isBlended = true; },
         1, 0.7},
-    Way{"mesh", [](const render::Quality& q) { return !q.isBlended && q.warp == render::Warp::mesh; },
+    // Whatever is no slower than the mesh may be asked for in its place.
+    Way{"mesh", [](const render::Quality& q) { return !q.isBlended && q.warp != render::Warp::points; },
         [](render::Quality& q) { q.isBlended = false, q.warp = render::Warp::mesh; }, 0.4, 0.8},
     Way{"adaptive", [](const render::Quality& q) { return !q.isBlended && q.warp == render::Warp::adaptive; },
         [](render::Quality& q) { q.isBlended = false, q.warp = render::Warp::adaptive; }, 0.6, 0.6},

@@ -105,6 +105,12 @@ void Renderer::chooseResolution(const Quality& quality) {
     const bool isScaled = width != width_ || height != height_;
     for (Eye& eye : eyes_) {
         eye.isScaled = isScaled, eye.warpWidth = width, eye.warpHeight = height;
+        if (quality.isBlended && (!eye.blend || eye.blend->pixels < room)) {
+            for (std::size_t slot = 0; slot < kFramesInFlight; ++slot)
+                streams_.wait(slot); // the one that goes may be in use
+            eye.blend.reset();
+            eye.blend = makeBlendTarget(device_, blend_, room, scene_.tiles().size());
+        }
         if (!isScaled || (eye.scaled && eye.scaled->pixels >= room)) continue;
         for (std::size_t slot = 0; slot < kFramesInFlight; ++slot)
             streams_.wait(slot); // the one that goes may be in use

@@ -16,6 +16,14 @@ layout(std430, set = 1, binding = 0) readonly buffer Draws { TileDraw draws[]; }
 layout(std430, set = 1, binding = 1) buffer ZBuffer { uint64_t zBuffer[]; };
 layout(push_constant) uniform Constants { WarpConstants constants; };
 
+void drawPixel(int x, int y, vec2 offset, float centre, float perRadius2, uint colour, uint levelAndClass)
+{
+    float disparity = splatDisparity(centre, offset, perRadius2);
+    bool isInside = uint(x) < uint(constants.width) && uint(y) < uint(constants.height);
+    if (disparity >= 0.0f && isInside)
+        atomicMax(zBuffer[y * constants.width + x], packUint2x32(packKey(disparity, colour, levelAndClass)));
+}
+
 void main()
 {
     TileDraw draw = draws[constants.firstDraw + gl_WorkGroupID.x];
@@ -38,13 +46,16 @@ void main()
         // Compared as floats: far outside, the conversion to int is undefined.
         if (!(left > -float(side) && left < width && top > -float(side) && top < height)) continue;
         int x0 = int(left), y0 = int(top);
-        for (int y = y0; y < y0 + side; ++y)
-            for (int x = x0; x < x0 + side; ++x) {
-                float disparity = splatDisparity(seen.z, vec2(x, y) + 0.5f - seen.xy, perRadius2);
-                bool isInside = uint(x) < uint(constants.width) && uint(y) < uint(constants.height);
-                if (disparity < 0.0f || !isInside) continue;
-                atomicMax(zBuffer[y * constants.width + x],
-                          packUint2x32(packKey(disparity, vertex.y, levelAndClass)));
-            }
+        vec2 offset = vec2(x0, y0) + 0.5f - seen.xy;
+        if (side == 2) { // what is as dense as the screen: straight on, since loops cost more than what is in them
+            drawPixel(x0, y0, offset, seen.z, perRadius2, vertex.y, levelAndClass);
+            drawPixel(x0 + 1, y0, offset + vec2(1, 0), seen.z, perRadius2, vertex.y, levelAndClass);
+            drawPixel(x0, y0 + 1, offset + vec2(0, 1), seen.z, perRadius2, vertex.y, levelAndClass);
+            drawPixel(x0 + 1, y0 + 1, offset + vec2(1, 1), seen.z, perRadius2, vertex.y, levelAndClass);
+            continue;
+        }
+        for (int y = 0; y < side; ++y)
+            for (int x = 0; x < side; ++x)
+                drawPixel(x0 + x, y0 + y, offset + vec2(x, y), seen.z, perRadius2, vertex.y, levelAndClass);
     }
 }

@@ -177,5 +177,18 @@ TEST(Ladder, IsReportedWithEveryChange) {
     EXPECT_EQ(frames, 50u);
 }
 
+TEST(Ladder, EveryWarpThatHasANameLeadsDownToPoints) {
+    for (const std::string& name : knobs()[0].names) {
+        render::Quality asked;
+        ASSERT_TRUE(knobs()[0].set(asked, name));
+        EXPECT_EQ(knobs()[0].get(asked), name);
+        const std::vector<Rung> ladder = ladderOf(asked);
+        EXPECT_EQ(ladder.front().name, "as asked");
+        EXPECT_EQ(ladder.front().quality.warp, asked.warp) << name;
+        EXPECT_EQ(ladder.back().quality.warp, render::Warp::points) << name;
+        EXPECT_FALSE(ladder.back().quality.isBlended) << name;
+    }
+}
+
 } // namespace
 } // namespace app
