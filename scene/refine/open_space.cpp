@@ -46,6 +46,7 @@ OpenSpace::OpenSpace(const DepthImage& image, std::span<const DepthImage* const>
         }
     if (margin > 0) continuePast(image, companions, margin);
     closeGaps();
+    widenToPatches();
     buildPyramid();
 }
 
@@ -105,6 +106,41 @@ void OpenSpace::closeGaps() {
     levels_[0].spans = std::move(closed);
 }
 
+void OpenSpace::widenToPatches() {
+    const Level& raw = levels_[0];
+    std::vector<Span> patches = raw.spans;
+    const auto at = [&](int x, int y) -> const Span& {
+        return raw.spans[static_cast<std::size_t>(y) * static_cast<std::size_t>(raw.width) +
+                         static_cast<std::size_t>(x)];
+    };
+    // Between neighbours that a square without a silhouette joins, half of what lies between them is this sample's.
+    const auto isJoined = [&](int x, int y, int alongX) {
+        if (x < 0 || y < 0 || x + alongX >= raw.width || y + 1 - alongX >= raw.height) return false;
+        const int before = alongX == 1 ? y - 1 : x - 1;
+        return !at(x, y).hasEdge || (before >= 0 && !(alongX == 1 ? at(x, before) : at(before, y)).hasEdge);
+    };
+    for (int y = 0; y < raw.height; ++y)
+        for (int x = 0; x < raw.width; ++x) {
+            const float own = at(x, y).nearest;
+            if (!(own < kNothing)) continue;
+            float reach = 0;
+            for (const int alongX : {0, 1}) {
+                float steps = 0;
+                for (const int back : {0, 1}) {
+                    const int px = x - back * alongX, py = y - back * (1 - alongX);
+                    if (!isJoined(px, py, alongX)) continue;
+                    const float other = (back == 1 ? at(px, py) : at(x + alongX, y + 1 - alongX)).nearest;
+                    if (other < kNothing) steps = std::max(steps, std::abs(other - own));
+                }
+                reach += steps / 2;
+            }
+            Span& patch =
+                patches[static_cast<std::size_t>(y) * static_cast<std::size_t>(raw.width) + static_cast<std::size_t>(x)];
+            patch.nearest = own + reach, patch.farthest = std::max(own - reach, 0.0f);
+        }
+    levels_[0].spans = std::move(patches);
+}
+
 void OpenSpace::buildPyramid() {
     while (levels_.back().width > 1 || levels_.back().height > 1) {
         const Level& fine = levels_.back();
@@ -150,11 +186,11 @@ bool OpenSpace::holdsSample(const BoxInCamera& box) const {
     const auto boxNear = static_cast<float>(1 / zNear), boxFar = static_cast<float>(1 / zFar);
     for (int y = in.top; y <= in.bottom; ++y)
         for (int x = in.left; x <= in.right; ++x) {
-            const float end = levels_[0]
-                                  .spans[static_cast<std::size_t>(y) * static_cast<std::size_t>(camera_.width) +
-                                         static_cast<std::size_t>(x)]
-                                  .nearest;
-            if (end > 0 && end >= boxFar && end <= boxNear) return true;
+            const Span& patch =
+                levels_[0].spans[static_cast<std::size_t>(y) * static_cast<std::size_t>(camera_.width) +
+                                 static_cast<std::size_t>(x)];
+            if (patch.nearest > 0 && patch.nearest < kNothing && patch.nearest >= boxFar && patch.farthest <= boxNear)
+                return true;
         }
     return false;
 }

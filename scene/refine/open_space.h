@@ -64,6 +64,7 @@ class OpenSpace {
     Rectangle rectangleOf(const BoxInCamera& box) const;
     void continuePast(const DepthImage& image, std::span<const DepthImage* const> companions, int margin);
     void closeGaps();
+    void widenToPatches();
     void buildPyramid();
 
     Camera camera_; ///< with the margin
