@@ -110,8 +110,8 @@ void OpenSpace::widenToPatches() {
     const Level& raw = levels_[0];
     std::vector<Span> patches = raw.spans;
     const auto at = [&](int x, int y) -> const Span& {
-        return raw.spans[static_cast<std::size_t>(y) * static_cast<std::size_t>(raw.width) +
-                         static_cast<std::size_t>(x)];
+        return raw
+            .spans[static_cast<std::size_t>(y) * static_cast<std::size_t>(raw.width) + static_cast<std::size_t>(x)];
     };
     // Between neighbours that a square without a silhouette joins, half of what lies between them is this sample's.
     const auto isJoined = [&](int x, int y, int alongX) {
@@ -134,8 +134,8 @@ void OpenSpace::widenToPatches() {
                 }
                 reach += steps / 2;
             }
-            Span& patch =
-                patches[static_cast<std::size_t>(y) * static_cast<std::size_t>(raw.width) + static_cast<std::size_t>(x)];
+            Span& patch = patches[static_cast<std::size_t>(y) * static_cast<std::size_t>(raw.width) +
+                                  static_cast<std::size_t>(x)];
             patch.nearest = own + reach, patch.farthest = std::max(own - reach, 0.0f);
         }
     levels_[0].spans = std::move(patches);
@@ -186,9 +186,8 @@ bool OpenSpace::holdsSample(const BoxInCamera& box) const {
     const auto boxNear = static_cast<float>(1 / zNear), boxFar = static_cast<float>(1 / zFar);
     for (int y = in.top; y <= in.bottom; ++y)
         for (int x = in.left; x <= in.right; ++x) {
-            const Span& patch =
-                levels_[0].spans[static_cast<std::size_t>(y) * static_cast<std::size_t>(camera_.width) +
-                                 static_cast<std::size_t>(x)];
+            const Span& patch = levels_[0].spans[static_cast<std::size_t>(y) * static_cast<std::size_t>(camera_.width) +
+                                                 static_cast<std::size_t>(x)];
             if (patch.nearest > 0 && patch.nearest < kNothing && patch.nearest >= boxFar && patch.farthest <= boxNear)
                 return true;
         }
