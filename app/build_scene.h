@@ -29,7 +29,7 @@ struct BuildOptions {
     scene::SkinOptions skins;
     scene::RedundancyOptions redundancy;
     scene::FusionOptions fusion;
-    bool findUnseen = true; ///< false: no coverage is built, and nothing is ever shown as unseen
+    bool findUnseen = false; ///< true: coverage is built, and what no image observed is shown as unseen
     scene::CoverOptions coverage;
     scene::PyramidOptions pyramid;
 };

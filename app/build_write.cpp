@@ -67,7 +67,7 @@ json explain(const scene::Capture& capture, const Overlaps& overlaps, const Buil
                           : std::string("skins by planarity alone: no two images overlap"));
     if (!o.cull) reasons.push_back("no culling: every sample is kept, as asked");
     reasons.push_back(o.findUnseen ? "coverage: what no image observed is shown as unseen"
-                                   : "no coverage, as asked: nothing is shown as unseen");
+                                   : "no coverage (--coverage builds it): nothing is shown as unseen");
     if (!o.fuse) reasons.push_back("no fusion: samples stay as captured, as asked");
     return reasons;
 }

@@ -76,8 +76,9 @@ void addBuild(CLI::App& program, app::BuildOptions& options, std::string& memory
         ->check(CLI::Range(0, 100))
         ->capture_default_str();
     build->add_flag_callback(
-        "--no-coverage", [&] { options.findUnseen = false; },
-        "do not find out which space no image observed: nothing is shown as unseen");
+        "--coverage", [&] { options.findUnseen = true; },
+        "find out which space no image observed, and show it as unseen: for scans; slow to draw without a graphics "
+        "card");
     build
         ->add_option("--mesh-tolerance", options.pyramid.facetTolerance,
                      "share of depth by which the adaptive mesh may leave the samples")

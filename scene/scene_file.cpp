@@ -26,7 +26,7 @@ using nlohmann::json;
 static_assert(std::endian::native == std::endian::little, "tiles.bin is little-endian and mapped as it is");
 
 constexpr std::array<char, 8> kMagic{'R', 'V', 'T', 'I', 'L', 'E', 'S', 0};
-constexpr std::uint32_t kVersion = 2, kByteOrderMark = 0x01020304;
+constexpr std::uint32_t kVersion = 3, kByteOrderMark = 0x01020304;
 constexpr std::uint64_t kAlignment = 64;
 constexpr const char* kRemedy = "the scene is damaged: build it again";
 

@@ -160,16 +160,16 @@ class Keeper {
                 ++wanted;
                 count += !guess;
             }
+        // The base holds every surface, be the patch ever so small.
+        if (tier != Keep::directional) return count;
         const bool isPatch =
             wanted > 0 && static_cast<float>(wanted) >= options_.minPatchShare * static_cast<float>(there);
-        // The base holds every surface, be the patch ever so small.
-        if (tier == Keep::base && !isPatch) return count;
         count = 0;
         forSamples(tile, image, [&](int x, int y) {
             Keep& mine = kept[tile.image](x, y);
             const std::uint8_t flags = image.flags(x, y);
-            if (tier == Keep::base ? !isSurface(flags) : mine == Keep::base || !isDrawable(flags)) return;
-            mine = isPatch ? tier : Keep::no;
+            if (mine == Keep::base || !isDrawable(flags)) return;
+            mine = isPatch ? Keep::directional : Keep::no;
             count += isPatch && !isGuess(flags);
         });
         return count;

@@ -22,9 +22,8 @@ struct RedundancyOptions {
     /// A surface is kept again, as a directional sample, where no kept sample shows it from nearby: from a camera no
     /// farther away than this share of the range (so the directions differ by at most as many radians). 0: never.
     float baselineShare = 0.07f;
-    /// A tile of whose surfaces at least this share is wanted keeps all of them: patches with holes cost more to draw
-    /// than they spare, and cannot become facets. Of a tile of which less is wanted, the base keeps just that, and the
-    /// directional tier nothing.
+    /// A tile of whose surfaces at least this share is wanted as directional samples keeps all of them, else none:
+    /// patches with holes cost more to draw than they spare, and cannot become facets. The base has their surface, too.
     float minPatchShare = 0.25f;
     int tileSize = kDefaultTileSize;
     ComparisonOptions comparison;

@@ -200,7 +200,7 @@ TEST_F(Walk, WrongUsageIsTwoAndWhatCannotBeDoneIsOne) {
         {{kRevisit, "build", capture(), "-o", path("x.revisit"), "--register", "auto"}, 2, "registration"},
         {{kRevisit, "build", capture(), "-o", path("x.revisit"), "--memory", "lots"}, 2, "--memory"},
         {{kRevisit, "render", room, "--out", path("x"), "--size", "0x10"}, 2, "--size"},
-        {{kRevisit, "render", room, "--out", path("x"), "--warp", "splats"}, 2, "splats"},
+        {{kRevisit, "render", room, "--out", path("x"), "--warp", "bubbles"}, 2, "bubbles"},
         {{kRevisit, "build", path("nowhere"), "-o", path("x.revisit")}, 1, "no such file"},
         {{kRevisit, "build", room, "-o", path("x.revisit")}, 1, "no capture"},
         {{kRevisit, "build", capture(), "-o", capture()}, 1, "is no scene"},

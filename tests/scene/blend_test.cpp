@@ -152,7 +152,8 @@ TEST(WarpBlend, TheSameSumsOnAnyNumberOfThreads) {
 TEST(WarpBlend, WithoutSamplesThereIsNothing) {
     const View eye = viewsOfBareRoom(1)[0];
     ZBuffer zBuffer(eye.camera.width, eye.camera.height, 0);
-    for (const BlendSums& sum : warpBlend({}, eye, {}, zBuffer).pixels())
+    const Image<BlendSums> sums = warpBlend({}, eye, {}, zBuffer);
+    for (const BlendSums& sum : sums.pixels())
         ASSERT_EQ(sum, BlendSums{});
 }
 

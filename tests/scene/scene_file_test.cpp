@@ -21,8 +21,9 @@ namespace {
 using nlohmann::json;
 
 // The layout as the head of scene_file.h has it; written once more, so that a change of it is noticed.
-constexpr std::size_t kHeaderBytes = 64, kHeaderChecked = 56, kEntryBytes = 32, kVersionAt = 8, kBlockCountAt = 16;
-constexpr std::size_t kEntryTilesAt = 8, kEntryVerticesAt = 12, kEntryQuadsAt = 16, kEntryChecksumAt = 24;
+constexpr std::size_t kHeaderBytes = 64, kHeaderChecked = 56, kEntryBytes = 40, kVersionAt = 8, kBlockCountAt = 16;
+constexpr std::size_t kEntryTilesAt = 8, kEntryCoarserAt = 12, kEntryVerticesAt = 16, kEntryQuadsAt = 20,
+                      kEntryFacetsAt = 24, kEntryTexelsAt = 28, kEntryChecksumAt = 32;
 
 /// A slope with a hole and a redundant corner; `step` makes one unlike the other.
 DepthImage drawImage(const std::string& name, float step) {
@@ -117,9 +118,10 @@ class SceneFile : public testing::Test {
     std::string sealed(std::string bytes) const {
         for (std::size_t i = 0; i < sets_.size(); ++i) {
             const std::size_t entry = kHeaderBytes + i * kEntryBytes;
-            const std::size_t size = sets_[i].tiles.size() * sizeof(Tile) +
-                                     sets_[i].vertices.size() * sizeof(TileVertex) +
-                                     sets_[i].quads.size() * sizeof(TileQuad);
+            const TileSet& set = sets_[i];
+            const std::size_t size = (set.tiles.size() + set.coarser.size()) * sizeof(Tile) +
+                                     set.vertices.size() * sizeof(TileVertex) + set.quads.size() * sizeof(TileQuad) +
+                                     set.facets.size() * sizeof(TileFacet) + set.texels.size() * sizeof(TileTexel);
             setValue(bytes, entry + kEntryChecksumAt, XXH3_64bits(bytes.data() + blockAt(i), size));
         }
         setValue(bytes, tableEnd(), XXH3_64bits(bytes.data() + kHeaderBytes, tableEnd() - kHeaderBytes));
@@ -173,7 +175,8 @@ TEST(PackedTiles, AnyOtherLengthIsRefused) {
 
 TEST(PackedTiles, HugeCountsTakeNoMemory) {
     const std::vector<std::byte> packed = packTiles(cutIntoTiles(drawImage("image", 0.02f), 4));
-    for (const std::size_t at : {kEntryTilesAt, kEntryVerticesAt, kEntryQuadsAt}) {
+    for (const std::size_t at :
+         {kEntryTilesAt, kEntryCoarserAt, kEntryVerticesAt, kEntryQuadsAt, kEntryFacetsAt, kEntryTexelsAt}) {
         std::vector<std::byte> damaged = packed;
         for (std::size_t i = 0; i < 4; ++i)
             damaged[at + i] = std::byte{0xff};
@@ -238,7 +241,8 @@ TEST_F(SceneFile, ImpossibleCountsWithRightChecksumsAreRefused) {
     for (const std::size_t entry : {kHeaderBytes, kHeaderBytes + kEntryBytes}) {
         for (const std::uint64_t offset : {std::uint64_t{64} << 40, ~std::uint64_t{63}, std::uint64_t{1}})
             refused(entry, offset, "beyond its end");
-        for (const std::size_t at : {kEntryTilesAt, kEntryVerticesAt, kEntryQuadsAt})
+        for (const std::size_t at :
+             {kEntryTilesAt, kEntryCoarserAt, kEntryVerticesAt, kEntryQuadsAt, kEntryFacetsAt, kEntryTexelsAt})
             refused(entry + at, kMost32, "beyond its end");
     }
 }
