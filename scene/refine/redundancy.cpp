@@ -169,7 +169,8 @@ class Keeper {
             Keep& mine = kept[tile.image](x, y);
             const std::uint8_t flags = image.flags(x, y);
             if (mine == Keep::base || !isDrawable(flags)) return;
-            mine = isPatch ? Keep::directional : Keep::no;
+            // A guess is no surface: only where nobody measured is it kept.
+            if (!isPatch || !isGuess(flags)) mine = isPatch ? Keep::directional : Keep::no;
             count += isPatch && !isGuess(flags);
         });
         return count;
