@@ -22,7 +22,7 @@ revisit_test(revisit_render_tests LABELS gpu LINKS revisit_render_scenes TBB::tb
         render/visibility_test.cpp)
 
 # Where nobody looked, against the geometry itself.
-revisit_test(revisit_unseen_tests LABELS gpu TIMEOUT 300
+revisit_test(revisit_unseen_tests LABELS gpu TIMEOUT 1200
     LINKS revisit_render_scenes scene_project scene_refine TBB::tbb
     SOURCES
         render/test_device.cpp
