@@ -3,6 +3,7 @@
 #include "app/frame_pictures.h"
 #include "app/frame_report.h"
 #include "app/progress.h"
+#include "app/scene_memory.h"
 #include "app/stage_store.h"
 #include "app/view_files.h"
 
@@ -13,6 +14,7 @@
 
 #include <chrono>
 #include <cmath>
+#include <cstdio>
 #include <optional>
 
 namespace app {
@@ -44,11 +46,11 @@ std::vector<NamedView> listViews(const RenderOptions& o, const scene::Scene& sce
 void renderScene(const RenderOptions& options) {
     const scene::Scene scene = scene::openScene(options.scene);
     const std::vector<NamedView> views = listViews(options, scene);
-    checkMemory(scene, options.draw);
     const int eyes = options.eyes > 0 ? options.eyes : options.path.empty() ? 1 : 2;
     const render::Quality quality = qualityOf(options.draw);
     const render::Device device;
-    const render::GpuScene gpuScene(device, scene.blocks);
+    render::GpuScene gpuScene(device, scene.blocks, memoryFor(options.draw));
+    DamageTeller damage;
 
     std::optional<render::GpuCoverage> coverage;
     if (scene.coverage && quality.showUnseen) coverage.emplace(device, *scene.coverage);
@@ -75,6 +77,9 @@ void renderScene(const RenderOptions& options) {
             const auto [left, right] = scene::eyesOf(view.camera, view.worldFromCamera, options.draw.eyeDistanceMetres);
             eyeViews = {left, right};
         }
+        gpuScene.settle(eyeViews, quality);
+        for (const std::string& sentence : damage.news(gpuScene, scene))
+            std::fprintf(stderr, "revisit: %s\n", sentence.c_str());
         const auto start = std::chrono::steady_clock::now();
         renderer->draw(eyeViews, quality);
         const render::FrameStats stats = renderer->finish();
@@ -97,6 +102,7 @@ void renderScene(const RenderOptions& options) {
                             {"ipd_m", options.draw.eyeDistanceMetres}};
     settings.update(toJson(quality));
     settings["shows_unseen"] = coverage.has_value();
+    settings["damaged_chunks"] = damage.chunks();
     writeWhole(options.out / "report.json",
                report.summarise(device, gpuScene, settings)
                        .dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + // paths need not be UTF-8

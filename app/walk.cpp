@@ -128,13 +128,13 @@ void Walk::say(const std::string& notice) {
 
 WalkStage Walk::firstStage() {
     if (options_.isHeadless) return WalkStage::headless(scene_, path_, options_);
-    if (options_.isAtDesk) return WalkStage::atDesk(scene_, deskSide_->desktop);
+    if (options_.isAtDesk) return WalkStage::atDesk(scene_, deskSide_->desktop, memoryFor(options_.draw));
     try {
-        return WalkStage::inHeadset(scene_, std::make_unique<xr::Runtime>());
+        return WalkStage::inHeadset(scene_, std::make_unique<xr::Runtime>(), memoryFor(options_.draw));
     } catch (const std::exception& e) {
         if (deskSide_ == nullptr) throw;
         say("no headset yet: " + std::string(e.what()));
-        return WalkStage::atDesk(scene_, deskSide_->desktop);
+        return WalkStage::atDesk(scene_, deskSide_->desktop, memoryFor(options_.draw));
     }
 }
 
@@ -159,15 +159,15 @@ bool Walk::change(Outcome outcome, std::optional<WalkStage>& stage) {
                     : "the headset is gone; walking on at the desk until it is back");
         stage.reset();
         if (isAlone) return waitForHeadset(stage);
-        stage.emplace(WalkStage::atDesk(scene_, deskSide_->desktop));
+        stage.emplace(WalkStage::atDesk(scene_, deskSide_->desktop, memoryFor(options_.draw)));
         return true;
     }
     stage.reset();
     try {
-        stage.emplace(WalkStage::inHeadset(scene_, std::move(found_)));
+        stage.emplace(WalkStage::inHeadset(scene_, std::move(found_), memoryFor(options_.draw)));
     } catch (const std::exception&) {
         // It went away again at once.
-        stage.emplace(WalkStage::atDesk(scene_, deskSide_->desktop));
+        stage.emplace(WalkStage::atDesk(scene_, deskSide_->desktop, memoryFor(options_.draw)));
     }
     return true;
 }
@@ -175,7 +175,7 @@ bool Walk::change(Outcome outcome, std::optional<WalkStage>& stage) {
 bool Walk::waitForHeadset(std::optional<WalkStage>& stage) {
     while (!isAskedToEnd()) {
         try {
-            stage.emplace(WalkStage::inHeadset(scene_, std::make_unique<xr::Runtime>()));
+            stage.emplace(WalkStage::inHeadset(scene_, std::make_unique<xr::Runtime>(), memoryFor(options_.draw)));
             return true;
         } catch (const std::exception&) {
             std::this_thread::sleep_for(kLookAgain);
@@ -424,6 +424,9 @@ void Walk::draw(WalkStage& stage, xr::ViewSource& source, const xr::Frame& frame
     if (isDesk(source) || (deskSide_ != nullptr && deskSide_->desk.wantsPicture())) renderer.keepNext();
     fillOverlay(source);
     const render::Quality& quality = governed_ ? governed_->next(knobs_.quality, renderer.frames()) : knobs_.quality;
+    stage.gpuScene().follow(std::span(views).first(eyes), quality);
+    for (const std::string& sentence : damage_.news(stage.gpuScene(), scene_))
+        say(sentence);
     stats_ = renderer.draw(std::span(views).first(eyes), quality, std::span(outputs).first(eyes), &overlay_);
     if (deskSide_ != nullptr) mirror(renderer, isDesk(source), frame);
 
