@@ -142,6 +142,9 @@ std::vector<Knob> makeKnobs() {
             "far_sample_pixels", "pixels",
             "the same for what was taken from far away and is seen only where nothing nearer was", {0, 64},
             {0, 1, 2, 3}, [](auto& q) -> auto& { return q.farSamplePixels; }),
+        yesOrNo(
+            "leave_out_hidden", "tiles behind what is drawn already are left out; pictures are the same", {false},
+            [](auto& q) -> auto& { return q.leavesOutHidden; }),
         number(
             "near_baseline", "",
             "images taken from within this share of a surface's distance are preferred there; 0: the nearest sample "

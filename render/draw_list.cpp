@@ -1,5 +1,6 @@
 #include "render/draw_list.h"
 
+#include "render/pipeline.h"
 #include "render/shaders/shared/detail.h"
 #include "render/shaders/shared/z_key.h"
 #include "scene/footprint.h"
@@ -10,6 +11,8 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -74,15 +77,16 @@ bool hasDetail(const Quality& quality) {
 
 /// detail of a TileDraw (shared/detail.h); nothing if no sample of the tile can be drawn. isFinest: of all that are
 /// there.
-std::optional<vec4> detailOf(const glm::dmat4& c, const SourceView& source, const TileBounds& bounds, std::uint32_t i,
-                             double samplePixels, bool isFinest) {
+std::optional<vec4> detailOf(const SourceView& source, const scene::SampleBox& box, double samplePixels,
+                             bool isFinest) {
+    const glm::dmat4& c = source.eyeImageFromSource;
     // w is affine in (x, y, d): its extremes stand in corners of the box.
-    const auto along = [](double slope, float low, float high) -> std::pair<double, double> {
-        const double a = slope * static_cast<double>(low), b = slope * static_cast<double>(high);
+    const auto along = [](double slope, double low, double high) -> std::pair<double, double> {
+        const double a = slope * low, b = slope * high;
         return {std::min(a, b), std::max(a, b)};
     };
-    const auto x = along(c[0].z, bounds.xMin[i], bounds.xMax[i]), y = along(c[1].z, bounds.yMin[i], bounds.yMax[i]),
-               d = along(c[3].z, bounds.dMin[i], bounds.dMax[i]);
+    const auto x = along(c[0].z, box.least.x, box.most.x), y = along(c[1].z, box.least.y, box.most.y),
+               d = along(c[3].z, box.least.z, box.most.z);
     const double perW = samplePixels / source.pixelsPerSample;
     const double least = perW * (x.first + y.first + c[2].z + d.first),
                  most = perW * (x.second + y.second + c[2].z + d.second);
@@ -93,6 +97,101 @@ std::optional<vec4> detailOf(const glm::dmat4& c, const SourceView& source, cons
     const bool isReplaced = source.hasCoarser && most * (0.5 - 0.5 * overlap) * kRounding > 1;
     if (isWanted && !isReplaced) return vec4(0);
     return vec4(static_cast<float>(perW), isFinest ? 0.0f : 1.0f, source.hasCoarser ? 1.0f : 0.0f, 0.0f);
+}
+
+/// The planes through the eye and the edges of its picture, and the one behind which nothing is seen: unit normals that
+/// point inward, in the world.
+struct ViewWedge {
+    glm::dvec3 eyeInWorld{0};
+    std::array<glm::dvec3, 5> inward;
+};
+
+ViewWedge wedgeOf(const scene::View& eye, double marginPixels) {
+    const scene::Camera& c = eye.camera;
+    const double left = (-marginPixels - c.cx) / c.fx, right = (c.width + marginPixels - c.cx) / c.fx,
+                 top = (-marginPixels - c.cy) / c.fy, bottom = (c.height + marginPixels - c.cy) / c.fy;
+    ViewWedge wedge{eye.worldFromEye.translation,
+                    {glm::dvec3(1, 0, -left), {-1, 0, right}, {0, 1, -top}, {0, -1, bottom}, {0, 0, 1}}};
+    for (glm::dvec3& normal : wedge.inward)
+        normal = eye.worldFromEye.rotation * glm::normalize(normal);
+    return wedge;
+}
+
+bool isOutside(const ViewWedge& wedge, const ImageSphere& sphere) {
+    const double radius = sphere.radius * (1 + 1e-9);
+    return std::any_of(wedge.inward.begin(), wedge.inward.end(), [&](const glm::dvec3& normal) {
+        return glm::dot(normal, sphere.centre - wedge.eyeInWorld) < -radius;
+    });
+}
+
+constexpr std::uint32_t kBatches = 3, kWarps = 4;
+constexpr std::uint32_t kBuckets = kBatches * 2 * kWarps; ///< batch, near or far, warp
+
+/// Samples are put into a batch until they could cover the picture so many times. Those of one batch may hide each
+/// other in vain; each further batch costs a look at the z-buffer.
+constexpr std::array<double, kBatches - 1> kBatchCovers{1.5, 5};
+
+/// With less than this to draw, looking costs more than it saves.
+constexpr double kLeastCover = 3;
+
+void placeInView(const SourceView& source, const ResidentTile& tile, const scene::SampleBox& box,
+                 DrawList::Chosen& chosen) {
+    const glm::dmat4& c = source.eyeImageFromSource;
+    const glm::dvec3 middle = 0.5 * (box.least + box.most);
+    const double w = c[0].z * middle.x + c[1].z * middle.y + c[2].z + c[3].z * middle.z;
+    constexpr double kWidest = 4; // pixels: a sample nearby covers many, but not as many as one would think
+    const double width = w > 0 ? std::min(source.pixelsPerSample / w, kWidest) : kWidest;
+    chosen.area = static_cast<float>(tile.pointCount * width * width);
+    const double scale = static_cast<double>(scene::orderScale(static_cast<int>(chosen.orderLevel)));
+    chosen.orderDisparity = w > 0 ? static_cast<float>(middle.z / (w * scale)) : std::numeric_limits<float>::infinity();
+}
+
+/// For all that was chosen, piece by piece.
+template <class Visit>
+void forChosen(DrawList& list, std::span<const TilePiece> pieces, Visit&& visit) {
+    for (std::size_t p = 0; p < pieces.size(); ++p)
+        for (std::uint32_t i = 0; i < list.counts[p]; ++i) {
+            const std::size_t place = kDrawsPerTile * std::size_t{pieces[p].first} + i;
+            visit(list.chosen[place], place);
+        }
+}
+
+/// Positive floats order as their bits do; a bin is an eighth of an octave.
+constexpr std::uint32_t kBinShift = 20, kBins = 1u << (31 - kBinShift);
+std::uint32_t binOf(float orderDisparity) {
+    return std::bit_cast<std::uint32_t>(std::max(orderDisparity, 0.0f)) >> kBinShift;
+}
+
+/// The bins that the batches go down to, descending; all of zero if everything goes into the first.
+std::array<std::uint32_t, kBatches - 1> divide(DrawList& list, std::span<const TilePiece> pieces,
+                                               double picturePixels) {
+    std::array<std::uint32_t, kBatches - 1> ends{};
+    if (picturePixels <= 0) return ends;
+    std::vector<double> areas(kBins, 0.0);
+    double all = 0;
+    forChosen(list, pieces, [&](const DrawList::Chosen& chosen, std::size_t) {
+        areas[binOf(chosen.orderDisparity)] += static_cast<double>(chosen.area);
+        all += static_cast<double>(chosen.area);
+    });
+    if (all < kLeastCover * picturePixels) return ends;
+    double sum = 0;
+    std::size_t batch = 0;
+    for (std::uint32_t bin = kBins; bin > 0 && batch < ends.size(); --bin) {
+        sum += areas[bin - 1];
+        while (batch < ends.size() && sum >= kBatchCovers[batch] * picturePixels)
+            ends[batch++] = bin - 1;
+    }
+    return ends;
+}
+
+std::uint32_t bucketOf(const DrawList::Chosen& chosen, const std::array<std::uint32_t, kBatches - 1>& batchEnds) {
+    constexpr std::array<std::uint32_t, kWarps> kRank{2, 1, 0, 3}; // of points, mesh, adaptive, splats
+    const std::uint32_t bin = binOf(chosen.orderDisparity);
+    std::uint32_t batch = 0;
+    while (batch < batchEnds.size() && bin < batchEnds[batch])
+        ++batch;
+    const std::uint32_t isFar = chosen.orderLevel == scene::kMaxOrderLevel ? 1 : 0;
+    return (2 * batch + isFar) * kWarps + kRank[static_cast<std::size_t>(chosen.warp)];
 }
 
 } // namespace
@@ -111,29 +210,38 @@ TileDraw tileDrawOf(const glm::dmat4& c, const ResidentTile& tile, int orderLeve
     draw.perY = glm::vec4(hOf({0, 1, 0, 0}));
     draw.perQ = glm::vec4(hOf({0, 0, 0, step}));
     draw.span = {tile.firstVertex, 0, 0, packMark(static_cast<uint>(orderLevel), classOf(tile, {}), tile.placeBits, 1)};
-    draw.source = {static_cast<uint>(tile.x0), static_cast<uint>(tile.y0), tile.texelsInRow << 8, 0};
+    draw.source = {static_cast<uint>(tile.x0), static_cast<uint>(tile.y0), (tile.width + 1) << 8 | tile.height << 20,
+                   0};
     draw.detail = vec4(0);
     return draw;
 }
 
 std::vector<SourceView> sourceViewsOf(std::span<const ResidentImage> images, const scene::View& eye,
-                                      const Quality& quality) {
-    std::vector<SourceView> views;
-    for (const ResidentImage& image : images) {
-        SourceView view;
+                                      const Quality& quality, std::span<const ImageSphere> spheres,
+                                      double marginPixels) {
+    std::vector<std::uint8_t> isOut(spheres.size(), 0);
+    const ViewWedge wedge = wedgeOf(eye, marginPixels);
+    for (std::size_t i = 0; i < spheres.size(); ++i)
+        isOut[i] = isOutside(wedge, spheres[i]) ? 1 : 0;
+    std::vector<SourceView> views(images.size());
+    for (std::size_t i = 0; i < images.size(); ++i) {
+        const ResidentImage& image = images[i];
+        SourceView& view = views[i];
+        view.captured = image.captured, view.level = image.level, view.hasCoarser = image.hasCoarser;
+        view.isOut = !spheres.empty() && isOut[image.captured] != 0;
+        if (view.isOut) continue;
         view.eyeImageFromSource = scene::eyeImageFromSourceImage(eye, image.camera, image.worldFromCamera);
         view.eyeFromCamera = eye.worldFromEye.translation - image.worldFromCamera.translation;
         view.pixelsPerSample = std::sqrt(eye.camera.fx * eye.camera.fy / (image.camera.fx * image.camera.fy));
-        view.captured = image.captured, view.level = image.level, view.hasCoarser = image.hasCoarser;
         view.isNear = glm::length(view.eyeFromCamera) <=
                       2 * static_cast<double>(quality.preference.nearBaseline) * image.middleReach;
-        views.push_back(view);
     }
     return views;
 }
 
 void buildDrawList(const SceneIndex& scene, std::span<const ChunkPlace> places, std::span<const SourceView> sources,
-                   const VisibleTiles& visible, const Quality& quality, std::span<TileDraw> draws, DrawList& list) {
+                   const VisibleTiles& visible, const Quality& quality, std::span<TileDraw> draws, DrawList& list,
+                   double picturePixels) {
     const bool isDetailed = hasDetail(quality);
     const bool mayStandIn = hasGaps(places);
     const auto standsIn = [&](std::uint32_t number) {
@@ -157,7 +265,7 @@ void buildDrawList(const SceneIndex& scene, std::span<const ChunkPlace> places, 
         if (!level) return std::nullopt;
         std::optional<vec4> detail = vec4(0);
         if (isDetailed)
-            detail = detailOf(source.eyeImageFromSource, source, scene.bounds, number, samplePixelsOf(source, tile),
+            detail = detailOf(source, boxOf(scene.bounds, number), samplePixelsOf(source, tile),
                               source.level == 0 || isStandIn);
         if (!detail) return std::nullopt;
         const bool isByArea = quality.preference.areaLevels > 0;
@@ -166,7 +274,9 @@ void buildDrawList(const SceneIndex& scene, std::span<const ChunkPlace> places, 
         const int behind = isStandIn ? kStandInLevels : 0;
         const int orderLevel =
             std::min(scene::withArea(*level, area, quality.preference) + behind, scene::kMaxOrderLevel);
-        return DrawList::Chosen{number, static_cast<std::uint32_t>(orderLevel), isStandIn, warp, *detail};
+        DrawList::Chosen chosen{number, static_cast<std::uint32_t>(orderLevel), isStandIn, warp, *detail};
+        if (picturePixels > 0) placeInView(source, tile, boxOf(scene.bounds, number), chosen);
+        return chosen;
     };
 
     // Every piece chooses in its own part of the scratch arrays; then the parts are put together in order.
@@ -179,6 +289,11 @@ void buildDrawList(const SceneIndex& scene, std::span<const ChunkPlace> places, 
         if (!isDetailed && !mayStandIn && source.level > 0) return;
         if (piece.reachMetres < kAnywhere &&
             !scene::mayBeNear(glm::length(source.eyeFromCamera), piece.reachMetres, quality.preference))
+            return;
+        // All of a piece may be too fine, or too coarse. A piece's tiles are alike in what samplePixelsOf asks.
+        if (isDetailed && visible.counts[p] > 0 &&
+            !detailOf(source, piece.box, samplePixelsOf(source, scene.tiles[piece.first]),
+                      source.level == 0 || mayStandIn))
             return;
         const auto add = [&](const DrawList::Chosen& chosen) {
             list.chosen[kDrawsPerTile * piece.first + list.counts[p]++] = chosen;
@@ -194,25 +309,33 @@ void buildDrawList(const SceneIndex& scene, std::span<const ChunkPlace> places, 
     });
 
     // What is likely seen comes first, so that the rest finds itself hidden early.
+    const std::array<std::uint32_t, kBatches - 1> batchEnds = divide(list, pieces, picturePixels);
+    std::array<std::uint32_t, kBuckets + 1> firsts{};
+    forChosen(list, pieces, [&](DrawList::Chosen& chosen, std::size_t) {
+        chosen.bucket = bucketOf(chosen, batchEnds);
+        ++firsts[chosen.bucket + 1];
+    });
+    for (std::size_t i = 0; i < kBuckets; ++i)
+        firsts[i + 1] += firsts[i];
+    list.tiles = firsts[kBuckets];
+    list.order.resize(list.tiles);
+    forChosen(list, pieces, [&](const DrawList::Chosen& chosen, std::size_t place) {
+        list.order[firsts[chosen.bucket]++] = static_cast<std::uint32_t>(place);
+    });
     list.runs.clear();
-    list.order.clear();
     list.items = 0;
-    for (const bool isFar : {false, true})
-        for (const Warp warp : {Warp::adaptive, Warp::mesh, Warp::points, Warp::splats})
-            for (std::size_t p = 0; p < pieces.size(); ++p)
-                for (std::uint32_t i = 0; i < list.counts[p]; ++i) {
-                    const std::size_t place = kDrawsPerTile * std::size_t{pieces[p].first} + i;
-                    const DrawList::Chosen& chosen = list.chosen[place];
-                    if (chosen.warp != warp || (chosen.orderLevel == scene::kMaxOrderLevel) != isFar) continue;
-                    const ResidentTile& tile = scene.tiles[chosen.tile];
-                    const std::uint32_t page = places[tile.chunk].page;
-                    if (list.runs.empty() || list.runs.back().page != page || list.runs.back().warp != warp)
-                        list.runs.push_back({page, static_cast<std::uint32_t>(list.order.size()), 0, warp});
-                    ++list.runs.back().count;
-                    list.items += itemsOf(tile, chosen.warp);
-                    list.order.push_back(static_cast<std::uint32_t>(place));
-                }
-    list.tiles = static_cast<std::uint32_t>(list.order.size());
+    for (std::uint32_t i = 0; i < list.tiles; ++i) {
+        const DrawList::Chosen& chosen = list.chosen[list.order[i]];
+        const ResidentTile& tile = scene.tiles[chosen.tile];
+        const DrawRun next{places[tile.chunk].page, i, 0, chosen.warp, chosen.bucket / (2 * kWarps)};
+        const auto isSameRun = [&](const DrawRun& run) {
+            return run.page == next.page && run.warp == next.warp && run.batch == next.batch &&
+                   run.count < kMaxWorkgroups;
+        };
+        if (list.runs.empty() || !isSameRun(list.runs.back())) list.runs.push_back(next);
+        ++list.runs.back().count;
+        list.items += itemsOf(tile, chosen.warp);
+    }
 
     const tbb::blocked_range<std::size_t> all(0, list.tiles, kDrawsPerTask);
     tbb::parallel_for(all, [&](const tbb::blocked_range<std::size_t>& range) {

@@ -19,16 +19,21 @@ struct SourceView {
     double pixelsPerSample = 1;         ///< how wide the eye sees a sample from where it was taken
     std::uint32_t captured = 0, level = 0;
     bool hasCoarser = false;
+    bool isOut = false; ///< nothing of it can be seen; then the rest is not known
     bool isNear = true; ///< the camera stands near the eye, by what it mostly sees: all levels of an image alike
 };
 
+/// spheres: of the captured images, to pass over those that lie beside the eye's picture or behind it (as far outside as
+/// marginPixels counts as within); or none.
 std::vector<SourceView> sourceViewsOf(std::span<const ResidentImage> images, const scene::View& eye,
-                                      const Quality& quality);
+                                      const Quality& quality, std::span<const ImageSphere> spheres = {},
+                                      double marginPixels = 0);
 
 /// Consecutive draws from one page by one shader.
 struct DrawRun {
-    std::uint32_t page = 0, first = 0, count = 0;
+    std::uint32_t page = 0, first = 0, count = 0; ///< count: kMaxWorkgroups at most
     Warp warp = Warp::points;
+    std::uint32_t batch = 0; ///< ascending: nearer ones come before
 };
 
 struct DrawList {
@@ -41,6 +46,9 @@ struct DrawList {
         bool isStandIn = false;
         Warp warp = Warp::points;
         vec4 detail{0};
+        float orderDisparity = 0; ///< of the tile's middle; infinite if that is not before the eye
+        float area = 0;           ///< square pixels that its samples cover, about
+        std::uint32_t bucket = 0; ///< of draws that are put together
     };
     std::vector<Chosen> chosen;
     std::vector<std::uint32_t> counts, order;
@@ -59,8 +67,10 @@ TileDraw tileDrawOf(const glm::dmat4& eyeImageFromSource, const ResidentTile& ti
 
 /// Builds the list of all tiles that have items for this warp and are there, and writes draws (room for
 /// kDrawsPerTile for each tile if anything is missing, else for one). Coarser tiles stand in for finer ones that are
-/// not. sources: one for each of the scene's images. The same bytes on any number of threads.
+/// not. sources: one for each of the scene's images. The same bytes on any number of threads. picturePixels: of the eye's image, to divide the list into batches of which each is
+/// likely to hide much of the next; 0: one batch.
 void buildDrawList(const SceneIndex& scene, std::span<const ChunkPlace> places, std::span<const SourceView> sources,
-                   const VisibleTiles& visible, const Quality& quality, std::span<TileDraw> draws, DrawList& list);
+                   const VisibleTiles& visible, const Quality& quality, std::span<TileDraw> draws, DrawList& list,
+                   double picturePixels = 0);
 
 } // namespace render

@@ -42,6 +42,9 @@ struct Quality {
     /// The same for base samples of images that were taken from far away, which are seen only where nobody stood near.
     double farSamplePixels = 0;
 
+    /// Tiles behind what is drawn already are left out. Pictures are the same; it pays where much is hidden.
+    bool leavesOutHidden = true;
+
     /// Where no image ever looked is shown as unseen, in a scene that knows (GpuCoverage). False: as emptiness.
     bool showUnseen = true;
 

@@ -42,7 +42,7 @@ Renderer::Renderer(const Device& device, const GpuScene& scene, int width, int h
                                                 makeWarpPass(device, Warp::mesh, scene.pageLayout(), eyeLayout_),
                                                 makeWarpPass(device, Warp::adaptive, scene.pageLayout(), eyeLayout_),
                                                 makeWarpPass(device, Warp::splats, scene.pageLayout(), eyeLayout_)},
-      blend_(makeBlendPass(device, scene.pageLayout(), eyeLayout_)), resolve_(makeResolvePass(device, eyeLayout_)),
+      occlusion_(makeOcclusionPass(device, eyeLayout_)), blend_(makeBlendPass(device, scene.pageLayout(), eyeLayout_)), resolve_(makeResolvePass(device, eyeLayout_)),
       rescale_(makeRescalePass(device)), depthPass_(makeDepthPass(device)),
       overlay_(makeOverlayPass(device, eyeLayout_)), coverage_(coverage),
       unseen_(coverage != nullptr ? makeUnseenPipeline(device, *coverage, eyeLayout_) : ComputePipeline{}),
@@ -126,16 +126,21 @@ void Renderer::prepare(Eye& eye, const scene::View& given, const Quality& qualit
     const scene::View view{scene::resized(given.camera, eye.warpWidth, eye.warpHeight), given.worldFromEye};
     eye.times.clear();
     timed(eye.times, "cull", index, [&] {
-        eye.sources = sourceViewsOf(scene_.images(), view, quality);
-        eye.planes.clear();
+        const double margin = marginOf(quality, scene_);
+        eye.sources = sourceViewsOf(scene_.images(), view, quality, scene_.index().spheres, margin);
+        eye.planes.resize(eye.sources.size());
         for (std::size_t i = 0; i < eye.sources.size(); ++i)
-            eye.planes.push_back(planesOf(eye.sources[i].eyeImageFromSource, eye.warpWidth, eye.warpHeight,
-                                          marginOf(quality, scene_), scene_.images()[i].extent));
+            if (eye.sources[i].isOut)
+                eye.planes[i].isOut = true;
+            else
+                eye.planes[i] = planesOf(eye.sources[i].eyeImageFromSource, eye.warpWidth, eye.warpHeight, margin,
+                                         scene_.images()[i].extent);
         cull(scene_.bounds(), scene_.pieces(), eye.planes, eye.visible);
     });
     timed(eye.times, "list", index, [&] {
         buildDrawList(scene_.index(), scene_.places(), eye.sources, eye.visible, quality,
-                      eye.warped().draws[slot].as<TileDraw>(), eye.list);
+                      eye.warped().draws[slot].as<TileDraw>(), eye.list,
+                      quality.leavesOutHidden ? static_cast<double>(eye.warpWidth) * eye.warpHeight : 0);
         if (!quality.isBlended) return;
         buildBlendList(scene_.index(), scene_.places(),
                        std::span<const SourceView>(eye.sources).first(scene_.capturedImages()), eye.visible,
@@ -172,7 +177,8 @@ void Renderer::recordCommands(Eye& eye, const scene::View& view, const Quality& 
         record(commands, kAfterClear);
         timer.mark(commands, "clear");
 
-        recordWarp(commands, warps_, scene_, eyeSet, eye.list.runs, eye.warpWidth, eye.warpHeight);
+        recordWarpInBatches(commands, occlusion_, warps_, scene_, eyeSet, eye.warped(), eye.list.runs, eye.warpWidth,
+                            eye.warpHeight);
         record(commands, kAfterWarp);
         timer.mark(commands, "warp");
 

@@ -16,6 +16,7 @@
 #include "render/target.h"
 #include "render/timing.h"
 #include "render/warp/blend_pass.h"
+#include "render/warp/occlusion_pass.h"
 #include "render/warp/warp_pass.h"
 #include "scene/view.h"
 
@@ -113,6 +114,7 @@ class Renderer {
     int width_, height_;
     DescriptorSetLayout eyeLayout_;
     WarpPasses warps_;
+    OcclusionPass occlusion_;
     BlendPass blend_;
     ResolvePass resolve_;
     RescalePass rescale_;

@@ -34,7 +34,8 @@ ResidentTile residentOf(const scene::Tile& tile, const scene::TileChunk& chunk) 
     ResidentTile resident;
     resident.firstVertex = vertices + tile.firstVertex - chunk.firstVertex, resident.pointCount = tile.pointCount;
     resident.firstQuad = quads + tile.firstQuad - chunk.firstQuad, resident.quadCount = tile.quadCount;
-    resident.facetCount = tile.facetCount, resident.texelsInRow = tile.width + 1u;
+    resident.facetCount = tile.facetCount;
+    resident.width = tile.width, resident.height = tile.height;
     if (tile.facetCount > 0) {
         resident.firstFacet = tile.firstFacet - chunk.firstFacet;
         resident.firstTexel = texels + tile.firstTexel - chunk.firstTexel;
@@ -60,6 +61,7 @@ SceneIndex::SceneIndex(std::span<const scene::TileBlock> blocks, std::size_t chu
             measure(indexed, block);
             chunks.push_back(indexed);
         }
+        surround(firstChunks.size() - 1, firstChunks.back());
     }
     for (std::size_t i = 0; i < blocks.size(); ++i)
         addImage({blocks[i].camera,
@@ -86,6 +88,18 @@ SceneIndex::SceneIndex(std::span<const scene::TileBlock> blocks, std::size_t chu
             left = left.subspan(count);
         }
     }
+}
+
+void SceneIndex::surround(std::size_t captured, std::size_t firstChunk) {
+    glm::dvec3 least(std::numeric_limits<double>::infinity()), most(-least);
+    for (std::size_t i = firstChunk; i < chunks.size(); ++i) {
+        least = glm::min(least, chunks[i].centre - chunks[i].radius);
+        most = glm::max(most, chunks[i].centre + chunks[i].radius);
+    }
+    spheres.resize(captured + 1);
+    const glm::dvec3 size = most - least;
+    if (glm::all(glm::lessThan(size, glm::dvec3(std::numeric_limits<double>::max()))))
+        spheres[captured] = {0.5 * (least + most), 0.5 * glm::length(size)};
 }
 
 void SceneIndex::addImage(const ResidentImage& image, const scene::TileBlock& block, std::uint32_t firstNumber,
@@ -119,6 +133,12 @@ TilePiece SceneIndex::pieceFrom(std::size_t first) const {
         reach = std::max(reach, scene::reachOf(tiles[i].middle));
     }
     if (!wantsBase) piece.reachMetres = reach;
+    scene::SampleBox& box = piece.box;
+    box = {glm::dvec3(std::numeric_limits<double>::infinity()), glm::dvec3(-std::numeric_limits<double>::infinity())};
+    for (std::size_t i = first; i < first + piece.count; ++i) {
+        box.least = glm::min(box.least, glm::dvec3(bounds.xMin[i], bounds.yMin[i], bounds.dMin[i]));
+        box.most = glm::max(box.most, glm::dvec3(bounds.xMax[i], bounds.yMax[i], bounds.dMax[i]));
+    }
     return piece;
 }
 

@@ -28,7 +28,8 @@ struct ChunkPlace {
 struct ResidentTile {
     std::uint32_t image = 0, chunk = 0; ///< image: of its level
     std::uint32_t firstVertex = 0, pointCount = 0, firstQuad = 0, quadCount = 0;
-    std::uint32_t firstFacet = 0, facetCount = 0, firstTexel = 0, texelsInRow = 0; ///< firstFacet counts facets
+    std::uint32_t firstFacet = 0, facetCount = 0, firstTexel = 0; ///< firstFacet counts facets
+    std::uint32_t width = 0, height = 0; ///< in samples; a row of texels has one more
     std::int32_t x0 = 0, y0 = 0;                                                   ///< first sample in the image
     float minDisparity = 0, maxDisparity = 0;
     std::uint32_t placeBits = scene::kPlaceBits;
@@ -58,6 +59,12 @@ struct IndexedChunk {
     double reach = 0;   ///< metres from the camera to the farthest tile's middle
 };
 
+/// Around all that an image has taken, metres in the world; infinite with the sky.
+struct ImageSphere {
+    glm::dvec3 centre{0};
+    double radius = std::numeric_limits<double>::infinity();
+};
+
 class SceneIndex {
   public:
     SceneIndex() = default;
@@ -72,6 +79,7 @@ class SceneIndex {
     /// All tiles once, in order; a piece never crosses an image, nor holds both base tiles and others.
     std::vector<TilePiece> pieces;
     std::vector<IndexedChunk> chunks;
+    std::vector<ImageSphere> spheres; ///< of the captured images
 
     /// Finds out, once, what finerThan tells: needed where chunks come and go.
     void findFiner();
@@ -87,6 +95,7 @@ class SceneIndex {
     void addImage(const ResidentImage& image, const scene::TileBlock& block, std::uint32_t firstNumber,
                   std::size_t count, std::uint32_t firstChunk);
     TilePiece pieceFrom(std::size_t first) const; ///< up to the last tile there is
+    void surround(std::size_t captured, std::size_t firstChunk);
     static void measure(IndexedChunk& chunk, const scene::TileBlock& block);
 
     std::vector<std::uint32_t> firstFiner_, finer_;

@@ -2,6 +2,7 @@
 
 #include "render/device.h"
 #include "render/shaders/shared/hole_fill.h"
+#include "render/shaders/shared/occlusion.h"
 #include "render/shaders/shared/tile_draw.h"
 #include "scene/errors.h"
 
@@ -13,7 +14,8 @@ namespace render {
 namespace {
 
 constexpr std::array kEyeBindings{Binding::storage, Binding::storage, Binding::storage,
-                                  Binding::storage, Binding::texels,  Binding::storage};
+                                  Binding::storage, Binding::texels,  Binding::storage,
+                                  Binding::storage, Binding::storage, Binding::storage};
 
 void requireTexels(const Device& device, std::size_t texels) {
     if (texels <= device.limits().maxTexelBufferElements) return;
@@ -55,16 +57,29 @@ EyeTarget makeEyeTarget(const Device& device, VkDescriptorSetLayout eyeLayout, i
     const auto blocks = static_cast<std::size_t>(holeBlocksAcross(width) * holeBlocksAcross(height));
     target.holeBlocks = Buffer(device, blocks * sizeof(std::uint32_t), kStorage, MemoryUse::onDevice);
     target.zTexels = makeTexelView(device, target.zBuffer);
-    target.pool = makeSetPool(device, kFramesInFlight, kEyeBindings);
-    for (std::size_t frame = 0; frame < kFramesInFlight; ++frame) {
-        target.draws[frame] = Buffer(device, drawBytes, kStorage, MemoryUse::hostWrites);
-        const std::array<Bound, kEyeBindings.size()> bound{{{target.draws[frame].handle()},
+    const auto occluders = static_cast<std::size_t>(occludersAlong(width) * occludersAlong(height));
+    target.occluders = Buffer(device, occluders * sizeof(std::uint32_t), kStorage, MemoryUse::onDevice);
+    target.passed = Buffer(device, drawBytes, kStorage, MemoryUse::onDevice);
+    target.passedSizes = Buffer(device, kMostTestedRuns * sizeof(VkDispatchIndirectCommand),
+                                kStorage | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT,
+                                MemoryUse::onDevice);
+    target.pool = makeSetPool(device, kFramesInFlight + 1, kEyeBindings);
+    const auto makeSet = [&](const Buffer& draws) {
+        const std::array<Bound, kEyeBindings.size()> bound{{{draws.handle()},
                                                             {target.zBuffer.handle()},
                                                             {target.colours.handle()},
                                                             {target.depths.handle()},
                                                             {target.zBuffer.handle(), target.zTexels},
-                                                            {target.holeBlocks.handle()}}};
-        target.sets[frame] = allocateSet(device, target.pool, eyeLayout, bound);
+                                                            {target.holeBlocks.handle()},
+                                                            {target.occluders.handle()},
+                                                            {target.passed.handle()},
+                                                            {target.passedSizes.handle()}}};
+        return allocateSet(device, target.pool, eyeLayout, bound);
+    };
+    target.passedSet = makeSet(target.passed);
+    for (std::size_t frame = 0; frame < kFramesInFlight; ++frame) {
+        target.draws[frame] = Buffer(device, drawBytes, kStorage, MemoryUse::hostWrites);
+        target.sets[frame] = makeSet(target.draws[frame]);
     }
     return target;
 }

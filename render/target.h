@@ -14,7 +14,8 @@ namespace render {
 inline constexpr int kFramesInFlight = 2;
 
 /// The layout of an eye's set: 0 draws, 1 z-buffer, 2 colours, 3 depths, 4 z-buffer as texels, to be read,
-/// 5 which blocks of it hold anything.
+/// 5 which blocks of it hold anything; 6 the nearest that each block hides, 7 draws that passed a test against that, 8
+/// how many of each run.
 DescriptorSetLayout makeEyeLayout(const Device& device);
 
 /// One z-buffer and picture serve all frames in flight: they follow one another on the eye's queue. The draw
@@ -25,10 +26,15 @@ struct EyeTarget {
     Buffer depths;     ///< metres along z as float per pixel; mapped
     Buffer holeBlocks; ///< 1 or 0 per block of pixels: whether it holds anything
     BufferView zTexels;
+    Buffer occluders, passed, passedSizes; ///< see shaders/shared/occlusion.h
     std::array<Buffer, kFramesInFlight> draws; ///< TileDraw; mapped
     DescriptorPool pool;
     std::array<VkDescriptorSet, kFramesInFlight> sets{};
+    VkDescriptorSet passedSet = VK_NULL_HANDLE; ///< with what has passed as its draws
 };
+
+/// Runs whose draws can be tested in one batch.
+inline constexpr std::size_t kMostTestedRuns = 4096;
 
 /// Throws scene::Failure if a shader cannot see so many bytes of `what`, and says the remedy.
 void requireRange(const Device& device, std::size_t bytes, const std::string& what, const std::string& remedy);

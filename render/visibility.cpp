@@ -56,6 +56,8 @@ void cull(const TileBounds& bounds, std::span<const TilePiece> pieces, std::span
     visible.counts.resize(pieces.size());
     tbb::parallel_for(std::size_t{0}, pieces.size(), [&](std::size_t i) {
         const TilePiece& piece = pieces[i];
+        visible.counts[i] = 0;
+        if (planesOfImages[piece.image].isOut) return;
         visible.counts[i] = static_cast<std::uint32_t>(findVisible(
             bounds, piece.first, piece.count, planesOfImages[piece.image], visible.slots.data() + piece.first));
     });

@@ -7,6 +7,7 @@
 // tiles of an image. The test of a tile's box against them is exact: the corner that is farthest inside
 // decides, and which corner that is depends on the signs of the plane alone.
 
+#include "scene/footprint.h"
 #include "scene/tile.h"
 
 #include <glm/mat4x4.hpp>
@@ -40,11 +41,13 @@ struct TilePiece {
     /// If the tiles are drawn only for eyes near their camera: how far from it their surfaces are at most, metres.
     /// Infinite for tiles that are always drawn.
     double reachMetres = std::numeric_limits<double>::infinity();
+    scene::SampleBox box{}; ///< around those of its tiles
 };
 
 /// Inside where a x + b y + c + e d >= 0; as (a, b, c, e), to be multiplied with (x, y, 1, d).
 struct ImagePlanes {
     std::array<glm::vec4, 5> inside{};
+    bool isOut = false; ///< nothing of the image can be seen: the planes do not count
 };
 
 /// The edges of an eye's image and its plane w = 0, as seen by the source image. The edges stand marginPixels

@@ -44,7 +44,7 @@ uint textureAt(TileDraw draw, Piece piece, FacetSight sight)
 {
     float most = piece.facet.side - 1.0f;
     float left = clamp(floor(sight.x), 0.0f, most), top = clamp(floor(sight.y), 0.0f, most);
-    int stride = int(draw.source.z >> 8);
+    int stride = int((draw.source.z >> 8) & 0xfffu);
     int at = int(draw.span.x) + (piece.place.y + int(top)) * stride + piece.place.x + int(left);
     uvec2 above = texelFetch(texels, at).xy, below = texelFetch(texels, at + stride).xy;
     float x = clamp(sight.x - left, 0.0f, 1.0f), y = clamp(sight.y - top, 0.0f, 1.0f);

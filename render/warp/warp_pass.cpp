@@ -2,6 +2,7 @@
 
 #include "render/device.h"
 #include "render/gpu_scene.h"
+#include "render/target.h"
 #include "spirv/warp_facets.comp.h"
 #include "spirv/warp_mesh.comp.h"
 #include "spirv/warp_points.comp.h"
@@ -9,6 +10,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cassert>
 
 namespace render {
 
@@ -43,13 +45,20 @@ WarpPass makeWarpPass(const Device& device, Warp warp, VkDescriptorSetLayout pag
                                 std::array{row.workgroupSize})};
 }
 
-void recordRun(VkCommandBuffer commands, VkPipelineLayout layout, const GpuScene& scene, const DrawRun& run, int width,
-               int height) {
+void bindPage(VkCommandBuffer commands, VkPipelineLayout layout, const GpuScene& scene, const DrawRun& run) {
     const VkDescriptorSet page = scene.pageSet(run.page);
     vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, layout, 0, 1, &page, 0, nullptr);
+}
+
+void push(VkCommandBuffer commands, VkPipelineLayout layout, const WarpConstants& constants) {
+    vkCmdPushConstants(commands, layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof constants, &constants);
+}
+
+void recordRun(VkCommandBuffer commands, VkPipelineLayout layout, const GpuScene& scene, const DrawRun& run, int width,
+               int height) {
+    bindPage(commands, layout, scene, run);
     for (std::uint32_t done = 0; done < run.count; done += kMaxWorkgroups) {
-        const WarpConstants constants{run.first + done, width, height};
-        vkCmdPushConstants(commands, layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof constants, &constants);
+        push(commands, layout, {run.first + done, width, height});
         vkCmdDispatch(commands, std::min(run.count - done, kMaxWorkgroups), 1, 1);
     }
 }
@@ -60,19 +69,42 @@ void recordRuns(VkCommandBuffer commands, VkPipelineLayout layout, const GpuScen
         recordRun(commands, layout, scene, run, width, height);
 }
 
-void recordWarp(VkCommandBuffer commands, const WarpPasses& passes, const GpuScene& scene, VkDescriptorSet eyeSet,
-                std::span<const DrawRun> runs, int width, int height) {
+namespace {
+
+/// Binds for each run the warp that draws it, and the eye's set, and lets `recordOne` do the rest.
+template <class RecordOne>
+void recordEach(VkCommandBuffer commands, const WarpPasses& passes, VkDescriptorSet eyeSet,
+                std::span<const DrawRun> runs, RecordOne&& recordOne) {
     const WarpPass* bound = nullptr;
-    for (const DrawRun& run : runs) {
-        const WarpPass& pass = passes[static_cast<std::size_t>(run.warp)];
+    for (std::size_t i = 0; i < runs.size(); ++i) {
+        const WarpPass& pass = passes[static_cast<std::size_t>(runs[i].warp)];
         if (&pass != bound) {
             vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pass.pipeline.pipeline);
             vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pass.pipeline.layout, 1, 1, &eyeSet, 0,
                                     nullptr);
             bound = &pass;
         }
-        recordRun(commands, pass.pipeline.layout, scene, run, width, height);
+        recordOne(pass.pipeline.layout, i);
     }
+}
+
+} // namespace
+
+void recordWarp(VkCommandBuffer commands, const WarpPasses& passes, const GpuScene& scene, VkDescriptorSet eyeSet,
+                std::span<const DrawRun> runs, int width, int height) {
+    recordEach(commands, passes, eyeSet, runs, [&](VkPipelineLayout layout, std::size_t i) {
+        recordRun(commands, layout, scene, runs[i], width, height);
+    });
+}
+
+void recordPassed(VkCommandBuffer commands, const WarpPasses& passes, const GpuScene& scene, const EyeTarget& target,
+                  std::span<const DrawRun> runs, int width, int height) {
+    recordEach(commands, passes, target.passedSet, runs, [&](VkPipelineLayout layout, std::size_t i) {
+        assert(runs[i].count <= kMaxWorkgroups);
+        bindPage(commands, layout, scene, runs[i]);
+        push(commands, layout, {runs[i].first, width, height});
+        vkCmdDispatchIndirect(commands, target.passedSizes.handle(), i * sizeof(VkDispatchIndirectCommand));
+    });
 }
 
 } // namespace render

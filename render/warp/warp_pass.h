@@ -13,6 +13,7 @@ namespace render {
 
 class Device;
 class GpuScene;
+struct EyeTarget;
 
 struct WarpPass {
     ComputePipeline pipeline;
@@ -30,5 +31,9 @@ void recordRuns(VkCommandBuffer commands, VkPipelineLayout layout, const GpuScen
 /// Draws the runs, each by its own warp, into the z-buffer of eyeSet: one workgroup per tile.
 void recordWarp(VkCommandBuffer commands, const WarpPasses& passes, const GpuScene& scene, VkDescriptorSet eyeSet,
                 std::span<const DrawRun> runs, int width, int height);
+
+/// The same for what has passed a test (render/warp/occlusion_pass.h): how many of run i, the device knows.
+void recordPassed(VkCommandBuffer commands, const WarpPasses& passes, const GpuScene& scene, const EyeTarget& target,
+                  std::span<const DrawRun> runs, int width, int height);
 
 } // namespace render

@@ -116,6 +116,47 @@ TEST_F(EdgeCases, SeveralPagesDrawWhatOneDraws) {
         EXPECT_TRUE(isSame(drawOnce(whole, view, {.warp = warp}), drawOnce(paged, view, {.warp = warp})));
 }
 
+TEST_F(EdgeCases, WhatHiddenTilesAreLeftOutOfIsTheSamePicture) {
+    // The same room again and again behind its walls, and three pictures of it in all tiers.
+    const CutScene room = roomInAllTiers(), faces = roomFromWithin(160);
+    std::vector<scene::TileBlock> blocks = room.blocks();
+    for (int away = 0; away < 6; ++away)
+        for (scene::TileBlock block : faces.blocks()) {
+            block.worldFromCamera.translation += glm::dvec3(3.0 * away, 0.2 * away, 7.0 * away);
+            blocks.push_back(block);
+        }
+    const GpuScene scene(testDevice(), blocks);
+    Renderer renderer(testDevice(), scene, kEye.width, kEye.height, 1);
+    const auto draw = [&](const scene::View& view, const Quality& quality) {
+        renderer.draw({&view, 1}, quality);
+        return renderer.readBack()[0];
+    };
+    std::size_t batches = 0;
+    for (const Warp warp : {Warp::points, Warp::mesh, Warp::adaptive, Warp::splats})
+        for (const float nearBaseline : {0.0f, 0.2f})
+            for (int i = 0; i < 6; ++i) {
+                const scene::View view{kEye, poseAt({0.3 * i - 0.9, 0.1 * i - 0.3, 0.2}, 1.1 * i, 0.1 * i - 0.2)};
+                Quality with, without;
+                with.warp = warp, with.preference.nearBaseline = nearBaseline, with.maxFootprint = 1 + i;
+                without = with;
+                without.leavesOutHidden = false;
+                EXPECT_TRUE(isSame(draw(view, with), draw(view, without))) << static_cast<int>(warp) << " " << i;
+                std::vector<TileDraw> draws(2 * scene.tiles().size());
+                DrawList list;
+                VisibleTiles all;
+                const auto sources = sourceViewsOf(scene.images(), view, with);
+                std::vector<ImagePlanes> planes;
+                for (std::size_t k = 0; k < sources.size(); ++k)
+                    planes.push_back(planesOf(sources[k].eyeImageFromSource, kEye.width, kEye.height, 4,
+                                              scene.images()[k].extent));
+                cull(scene.bounds(), scene.pieces(), planes, all);
+                buildDrawList(scene.index(), scene.places(), sources, all, with, draws, list,
+                              static_cast<double>(kEye.width * kEye.height));
+                batches = std::max<std::size_t>(batches, list.runs.back().batch + 1);
+            }
+    EXPECT_EQ(batches, 3u) << "there was something to leave out";
+}
+
 TEST_F(EdgeCases, MoreThanAPageOfVertices) {
     // The same block again and again: 70 MiB of vertices.
     const CutScene plane = cut({takePlane(cameraOf(512, 512, 1.5), {0, 0, 1}, 2)});

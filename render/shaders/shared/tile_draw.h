@@ -19,7 +19,8 @@ struct TileDraw {
     vec4 perQ;  ///< one step of quantised disparity
     uvec4 span; ///< first vertex (facets: texel; splats: see splat.h) in the page; first item (vertex, quad or facet);
                 ///< items; see packMark
-    uvec4 source; ///< first sample in its image, x and y; level of detail | texels in a row << 8; image
+    uvec4 source; ///< first sample in its image, x and y; level of detail | width + 1 << 8 | height << 20, in samples
+                  ///< (rows of texels are as long); image
     vec4 detail;  ///< see isOfDetail; x 0: all samples are drawn
 };
 

@@ -1,0 +1,80 @@
+#include "render/warp/occlusion_pass.h"
+
+#include "render/command_streams.h"
+#include "render/device.h"
+#include "render/gpu_scene.h"
+#include "render/shaders/shared/occlusion.h"
+#include "spirv/occluders.comp.h"
+#include "spirv/occlusion.comp.h"
+
+#include <algorithm>
+#include <array>
+#include <vector>
+
+namespace render {
+
+namespace {
+
+constexpr VkPipelineStageFlags kCompute = VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT;
+constexpr VkPipelineStageFlags kTransfer = VK_PIPELINE_STAGE_TRANSFER_BIT;
+constexpr VkAccessFlags kRead = VK_ACCESS_SHADER_READ_BIT, kWrite = VK_ACCESS_SHADER_WRITE_BIT;
+constexpr Barrier kAfterWarp{kCompute, kRead | kWrite, kCompute, kRead | kWrite};
+constexpr Barrier kBeforeSizes{kCompute | VK_PIPELINE_STAGE_DRAW_INDIRECT_BIT,
+                               kRead | kWrite | VK_ACCESS_INDIRECT_COMMAND_READ_BIT, kTransfer,
+                               VK_ACCESS_TRANSFER_WRITE_BIT};
+constexpr Barrier kAfterOccluders{kCompute | kTransfer, kRead | kWrite | VK_ACCESS_TRANSFER_WRITE_BIT, kCompute,
+                                  kRead | kWrite};
+constexpr Barrier kAfterCull{kCompute, kRead | kWrite, kCompute | VK_PIPELINE_STAGE_DRAW_INDIRECT_BIT,
+                             kRead | kWrite | VK_ACCESS_INDIRECT_COMMAND_READ_BIT};
+
+} // namespace
+
+OcclusionPass makeOcclusionPass(const Device& device, VkDescriptorSetLayout eyeLayout) {
+    OcclusionPass pass;
+    pass.cullSize = device.isProcessor() ? static_cast<std::uint32_t>(device.subgroupSize()) : 64;
+    const std::array<VkDescriptorSetLayout, 1> sets{eyeLayout};
+    const std::array size{pass.cullSize};
+    pass.occluders = makeComputePipeline(device, kOccludersCode, sets, sizeof(OccluderConstants), size);
+    pass.cull = makeComputePipeline(device, kOcclusionCode, sets, sizeof(OcclusionConstants), size);
+    return pass;
+}
+
+void recordWarpInBatches(VkCommandBuffer commands, const OcclusionPass& pass, const WarpPasses& warps,
+                         const GpuScene& scene, VkDescriptorSet eyeSet, const EyeTarget& target,
+                         std::span<const DrawRun> runs, int width, int height) {
+    const auto bind = [&](const ComputePipeline& pipeline) {
+        vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline.pipeline);
+        vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline.layout, 0, 1, &eyeSet, 0, nullptr);
+    };
+    while (!runs.empty()) {
+        const std::uint32_t batch = runs.front().batch;
+        const auto end = std::find_if(runs.begin(), runs.end(), [&](const DrawRun& run) { return run.batch != batch; });
+        const std::span<const DrawRun> now = runs.first(static_cast<std::size_t>(end - runs.begin()));
+        runs = runs.subspan(now.size());
+        if (batch == 0 || now.size() > kMostTestedRuns) {
+            recordWarp(commands, warps, scene, eyeSet, now, width, height);
+            continue;
+        }
+        record(commands, kBeforeSizes);
+        const std::vector<VkDispatchIndirectCommand> none(now.size(), {0, 1, 1});
+        vkCmdUpdateBuffer(commands, target.passedSizes.handle(), 0, none.size() * sizeof none[0], none.data());
+        record(commands, kAfterWarp);
+        const OccluderConstants occluders{width, height};
+        bind(pass.occluders);
+        vkCmdPushConstants(commands, pass.occluders.layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof occluders,
+                           &occluders);
+        vkCmdDispatch(commands, static_cast<std::uint32_t>(occludersAlong(height)), 1, 1);
+        record(commands, kAfterOccluders);
+        bind(pass.cull);
+        for (std::uint32_t i = 0; i < now.size(); ++i) {
+            const OcclusionConstants constants{now[i].first, now[i].count, i, now[i].warp == Warp::splats ? 1u : 0u,
+                                               width, height};
+            vkCmdPushConstants(commands, pass.cull.layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof constants, &constants);
+            vkCmdDispatch(commands, (now[i].count + pass.cullSize - 1) / pass.cullSize, 1, 1);
+        }
+        record(commands, kAfterCull);
+        recordPassed(commands, warps, scene, target, now, width, height);
+    }
+}
+
+} // namespace render
