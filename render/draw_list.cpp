@@ -310,29 +310,38 @@ void buildDrawList(const SceneIndex& scene, std::span<const ChunkPlace> places, 
 
     // What is likely seen comes first, so that the rest finds itself hidden early.
     const std::array<std::uint32_t, kBatches - 1> batchEnds = divide(list, pieces, picturePixels);
-    std::array<std::uint32_t, kBuckets + 1> firsts{};
+    std::uint32_t pages = 1;
+    for (const ChunkPlace& place : places)
+        if (place.isThere()) pages = std::max(pages, place.page + 1);
+    std::vector<std::uint32_t>& firsts = list.firsts;
+    firsts.assign(std::size_t{kBuckets} * pages + 1, 0);
     forChosen(list, pieces, [&](DrawList::Chosen& chosen, std::size_t) {
-        chosen.bucket = bucketOf(chosen, batchEnds);
+        chosen.bucket = bucketOf(chosen, batchEnds) * pages + places[scene.tiles[chosen.tile].chunk].page;
         ++firsts[chosen.bucket + 1];
     });
-    for (std::size_t i = 0; i < kBuckets; ++i)
-        firsts[i + 1] += firsts[i];
-    list.tiles = firsts[kBuckets];
+    for (std::size_t i = 1; i < firsts.size(); ++i)
+        firsts[i] += firsts[i - 1];
+    list.tiles = firsts.back();
     list.order.resize(list.tiles);
     forChosen(list, pieces, [&](const DrawList::Chosen& chosen, std::size_t place) {
         list.order[firsts[chosen.bucket]++] = static_cast<std::uint32_t>(place);
     });
     list.runs.clear();
     list.items = 0;
+    std::uint32_t run = 0; // of its batch
     for (std::uint32_t i = 0; i < list.tiles; ++i) {
-        const DrawList::Chosen& chosen = list.chosen[list.order[i]];
+        DrawList::Chosen& chosen = list.chosen[list.order[i]];
         const ResidentTile& tile = scene.tiles[chosen.tile];
-        const DrawRun next{places[tile.chunk].page, i, 0, chosen.warp, chosen.bucket / (2 * kWarps)};
-        const auto isSameRun = [&](const DrawRun& run) {
-            return run.page == next.page && run.warp == next.warp && run.batch == next.batch &&
-                   run.count < kMaxWorkgroups;
+        const DrawRun next{places[tile.chunk].page, i, 0, chosen.warp, chosen.bucket / (2 * kWarps * pages)};
+        const auto isSameRun = [&](const DrawRun& last) {
+            return last.page == next.page && last.warp == next.warp && last.batch == next.batch &&
+                   last.count < kMaxWorkgroups;
         };
-        if (list.runs.empty() || !isSameRun(list.runs.back())) list.runs.push_back(next);
+        if (list.runs.empty() || !isSameRun(list.runs.back())) {
+            run = list.runs.empty() || list.runs.back().batch != next.batch ? 0 : run + 1;
+            list.runs.push_back(next);
+        }
+        chosen.run = run;
         ++list.runs.back().count;
         list.items += itemsOf(tile, chosen.warp);
     }
@@ -364,7 +373,7 @@ void buildDrawList(const SceneIndex& scene, std::span<const ChunkPlace> places, 
             draw.span.w = packMark(chosen.orderLevel, classOf(tile, place), tile.placeBits, footprint);
             draw.source.z |= source.level;
             draw.source.w = source.captured;
-            draw.detail = chosen.detail;
+            draw.detail = vec4(chosen.detail.x, chosen.detail.y, chosen.detail.z, static_cast<float>(chosen.run));
             draws[i] = draw;
         }
     });

@@ -49,9 +49,10 @@ struct DrawList {
         float orderDisparity = 0; ///< of the tile's middle; infinite if that is not before the eye
         float area = 0;           ///< square pixels that its samples cover, about
         std::uint32_t bucket = 0; ///< of draws that are put together
+        std::uint32_t run = 0;    ///< of its batch
     };
     std::vector<Chosen> chosen;
-    std::vector<std::uint32_t> counts, order;
+    std::vector<std::uint32_t> counts, order, firsts;
 };
 
 /// Stand-ins are drawn as surfaces, which stay whole however near one comes, and as points, which close what is left

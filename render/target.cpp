@@ -60,7 +60,7 @@ EyeTarget makeEyeTarget(const Device& device, VkDescriptorSetLayout eyeLayout, i
     const auto occluders = static_cast<std::size_t>(occludersAlong(width) * occludersAlong(height));
     target.occluders = Buffer(device, occluders * sizeof(std::uint32_t), kStorage, MemoryUse::onDevice);
     target.passed = Buffer(device, drawBytes, kStorage, MemoryUse::onDevice);
-    target.passedSizes = Buffer(device, kMostTestedRuns * sizeof(VkDispatchIndirectCommand),
+    target.passedRuns = Buffer(device, kMostTestedRuns * sizeof(PassedRun),
                                 kStorage | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT,
                                 MemoryUse::onDevice);
     target.pool = makeSetPool(device, kFramesInFlight + 1, kEyeBindings);
@@ -73,7 +73,7 @@ EyeTarget makeEyeTarget(const Device& device, VkDescriptorSetLayout eyeLayout, i
                                                             {target.holeBlocks.handle()},
                                                             {target.occluders.handle()},
                                                             {target.passed.handle()},
-                                                            {target.passedSizes.handle()}}};
+                                                            {target.passedRuns.handle()}}};
         return allocateSet(device, target.pool, eyeLayout, bound);
     };
     target.passedSet = makeSet(target.passed);

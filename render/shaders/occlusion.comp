@@ -6,19 +6,15 @@
 
 layout(local_size_x_id = 0) in;
 
-struct DispatchSize {
-    uint x, y, z;
-};
-
 layout(std430, set = 0, binding = 0) readonly buffer Draws { TileDraw draws[]; };
 layout(std430, set = 0, binding = 6) readonly buffer Occluders { uint leastDisparity[]; };
 layout(std430, set = 0, binding = 7) writeonly buffer Passed { TileDraw passed[]; };
-layout(std430, set = 0, binding = 8) buffer Sizes { DispatchSize sizes[]; };
+layout(std430, set = 0, binding = 8) buffer PassedRuns { PassedRun runs[]; };
 layout(push_constant) uniform Constants { OcclusionConstants constants; };
 
-bool mayBeSeen(TileDraw draw)
+bool mayBeSeen(TileDraw draw, bool isSplats)
 {
-    TileReach reach = reachOf(draw, constants.isSplats != 0u, constants.width, constants.height);
+    TileReach reach = reachOf(draw, isSplats, constants.width, constants.height);
     if (reach.nearest < 0.0f) return true;
     ivec2 size = reach.last - reach.first + 1;
     if (size.x <= 0 || size.y <= 0) return false;
@@ -35,6 +31,8 @@ void main()
 {
     if (gl_GlobalInvocationID.x >= constants.count) return;
     TileDraw draw = draws[constants.firstDraw + gl_GlobalInvocationID.x];
-    if (!mayBeSeen(draw)) return;
-    passed[constants.firstDraw + atomicAdd(sizes[constants.run].x, 1u)] = draw;
+    uint run = uint(draw.detail.w);
+    uint firstAndKind = runs[run].firstAndKind;
+    if (!mayBeSeen(draw, (firstAndKind & kSplatRun) != 0u)) return;
+    passed[(firstAndKind & ~kSplatRun) + atomicAdd(runs[run].x, 1u)] = draw;
 }

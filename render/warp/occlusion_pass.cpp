@@ -56,8 +56,13 @@ void recordWarpInBatches(VkCommandBuffer commands, const OcclusionPass& pass, co
             continue;
         }
         record(commands, kBeforeSizes);
-        const std::vector<VkDispatchIndirectCommand> none(now.size(), {0, 1, 1});
-        vkCmdUpdateBuffer(commands, target.passedSizes.handle(), 0, none.size() * sizeof none[0], none.data());
+        std::vector<PassedRun> none;
+        std::uint32_t tiles = 0;
+        for (const DrawRun& run : now) {
+            none.push_back({0, 1, 1, run.first | (run.warp == Warp::splats ? kSplatRun : 0)});
+            tiles += run.count;
+        }
+        vkCmdUpdateBuffer(commands, target.passedRuns.handle(), 0, none.size() * sizeof none[0], none.data());
         record(commands, kAfterWarp);
         const OccluderConstants occluders{width, height};
         bind(pass.occluders);
@@ -66,12 +71,9 @@ void recordWarpInBatches(VkCommandBuffer commands, const OcclusionPass& pass, co
         vkCmdDispatch(commands, static_cast<std::uint32_t>(occludersAlong(height)), 1, 1);
         record(commands, kAfterOccluders);
         bind(pass.cull);
-        for (std::uint32_t i = 0; i < now.size(); ++i) {
-            const OcclusionConstants constants{now[i].first, now[i].count, i, now[i].warp == Warp::splats ? 1u : 0u,
-                                               width, height};
-            vkCmdPushConstants(commands, pass.cull.layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof constants, &constants);
-            vkCmdDispatch(commands, (now[i].count + pass.cullSize - 1) / pass.cullSize, 1, 1);
-        }
+        const OcclusionConstants constants{now[0].first, tiles, width, height};
+        vkCmdPushConstants(commands, pass.cull.layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof constants, &constants);
+        vkCmdDispatch(commands, (tiles + pass.cullSize - 1) / pass.cullSize, 1, 1);
         record(commands, kAfterCull);
         recordPassed(commands, warps, scene, target, now, width, height);
     }

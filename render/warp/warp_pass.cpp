@@ -2,6 +2,7 @@
 
 #include "render/device.h"
 #include "render/gpu_scene.h"
+#include "render/shaders/shared/occlusion.h"
 #include "render/target.h"
 #include "spirv/warp_facets.comp.h"
 #include "spirv/warp_mesh.comp.h"
@@ -103,7 +104,7 @@ void recordPassed(VkCommandBuffer commands, const WarpPasses& passes, const GpuS
         assert(runs[i].count <= kMaxWorkgroups);
         bindPage(commands, layout, scene, runs[i]);
         push(commands, layout, {runs[i].first, width, height});
-        vkCmdDispatchIndirect(commands, target.passedSizes.handle(), i * sizeof(VkDispatchIndirectCommand));
+        vkCmdDispatchIndirect(commands, target.passedRuns.handle(), i * sizeof(PassedRun));
     });
 }
 

@@ -58,7 +58,7 @@ void areaOfScene(benchmark::State& state, Warp warp) {
     quality.warp = warp;
     quality.samplePixels = 1;
     quality.holes.radius = 4;
-    const auto [left, right] = scene::eyesOf(cameraOf(640, 480, 1.4), poseAt({0.3, 0.1, -0.8}, 0.5, 0.1), 0.063);
+    const auto [left, right] = scene::eyesOf(cameraOf(640, 480, 1.4), poseAt({0.2, 0.1, -0.3}, 0.5, 0.1), 0.063);
     const std::array views{left, right};
     std::array<std::unique_ptr<Site>, 3> sites;
     constexpr std::array<std::array<int, 2>, 3> kSizes{{{1, 1}, {5, 2}, {10, 10}}};

@@ -23,11 +23,18 @@ struct OccluderConstants {
 struct OcclusionConstants {
     uint firstDraw;
     uint count;
-    uint run;      ///< whose number of tiles is counted up
-    uint isSplats; ///< 1: span.x of the draws is a radius
     int width;
     int height;
 };
+
+/// How many draws of a run have passed, as an indirect dispatch wants it, and where they go.
+struct PassedRun {
+    uint x;
+    uint y;
+    uint z;
+    uint firstAndKind; ///< first draw | kSplatRun
+};
+SHARED_CONSTANT uint kSplatRun = 0x80000000u; ///< span.x of its draws is a radius
 
 SHARED_FUNCTION int occludersAlong(int pixels) {
     return (pixels + kOccluderSide - 1) / kOccluderSide;

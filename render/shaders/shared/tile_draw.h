@@ -21,7 +21,7 @@ struct TileDraw {
                 ///< items; see packMark
     uvec4 source; ///< first sample in its image, x and y; level of detail | width + 1 << 8 | height << 20, in samples
                   ///< (rows of texels are as long); image
-    vec4 detail;  ///< see isOfDetail; x 0: all samples are drawn
+    vec4 detail;  ///< see isOfDetail; x 0: all samples are drawn. w: number of the draw's run in its batch
 };
 
 struct WarpConstants {
