@@ -33,6 +33,9 @@ class WalkStage {
     /// those at the desk.
     render::Renderer& rendererFor(const xr::ViewSource& source);
 
+    /// Where no headset hangs on it: device, scene and renderers, all made anew; the source goes on as it is.
+    void remakeDevice(const scene::Scene& scene);
+
     const render::Device& device() const { return *device_; }
     const render::GpuScene& gpuScene() const { return *gpuScene_; }
     const std::string& name() const { return name_; } ///< what the walker looks through
@@ -45,6 +48,7 @@ class WalkStage {
 
   private:
     void makeDevice(const scene::Scene& scene, const render::DeviceMaker& maker);
+    std::unique_ptr<render::Renderer> makeRenderer(const xr::ViewSource& source) const;
 
     // In the order in which they are made; the last goes first.
     std::string name_;
