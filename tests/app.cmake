@@ -51,3 +51,5 @@ find_package(X11 REQUIRED)
 revisit_program_test(revisit_desktop_tests LABELS programs TIMEOUT 300
     SOURCES app/comparison.cpp app/desktop_test.cpp app/program.cpp app/screen.cpp)
 target_link_libraries(revisit_desktop_tests PRIVATE X11::X11)
+target_compile_definitions(revisit_desktop_tests PRIVATE REVISIT_FAULTY_LAYER="${faulty_layer}")
+add_dependencies(revisit_desktop_tests revisit_faulty_layer)
