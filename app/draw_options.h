@@ -2,7 +2,6 @@
 // How a scene is drawn: what render, walk and measure have in common on the command line.
 
 #include "app/quality_file.h"
-#include "scene/scene.h"
 
 #include <string>
 #include <utility>
@@ -15,13 +14,10 @@ struct DrawOptions {
     std::vector<std::pair<std::string, nlohmann::json>> turned; ///< knobs of their own options: they win
     double eyeDistanceMetres = 0.063;
     bool hideUnseen = false;              ///< space that nobody observed is shown as emptiness
-    std::size_t memoryBytes = 8ull << 30; ///< what the scene may take on the device
+    std::size_t memoryBytes = 8ull << 30; ///< what of the scene may be on the device at a time
 };
 
 /// Throws scene::Failure.
 render::Quality qualityOf(const DrawOptions& options);
-
-/// All tiles are made resident: what they take must be allowed before it is taken. Throws scene::Failure.
-void checkMemory(const scene::Scene& scene, const DrawOptions& options);
 
 } // namespace app

@@ -95,6 +95,15 @@ json FrameReport::summarise(const render::Device& device, const render::GpuScene
     report["tiles_drawn"] = drawn_.toJson();
     report["samples_drawn"] = samples_.toJson();
     report["bytes_resident"] = scene.bytesResident();
+    if (scene.isStreamed()) {
+        const render::StreamCounts counts = scene.streamCounts();
+        report["stream"] = {{"bytes_kept", scene.bytesKept()},
+                            {"bytes_there", counts.bytesThere},
+                            {"chunks", scene.index().chunks.size()},
+                            {"chunks_loaded", counts.loaded},
+                            {"chunks_left", counts.left},
+                            {"bytes_loaded", counts.bytesLoaded}};
+    }
     return report;
 }
 

@@ -5,6 +5,7 @@
 #include "app/governor.h"
 #include "app/measure_table.h"
 #include "app/progress.h"
+#include "app/scene_memory.h"
 #include "app/stage_store.h"
 #include "app/truth.h"
 #include "app/version.h"
@@ -115,7 +116,7 @@ render::EyeImage sideBySide(const scene::Image<scene::Rgb8>& drawn, const scene:
 
 /// Every setting from every camera; the worst picture of each setting is written beside its photograph.
 void compare(const MeasureOptions& o, const std::vector<TruthSource>& truths, const render::Device& device,
-             const render::GpuScene& gpuScene, const render::GpuCoverage* coverage, const Plan& plan,
+             render::GpuScene& gpuScene, const render::GpuCoverage* coverage, const Plan& plan,
              std::vector<MeasuredSetting>& measured) {
     std::vector<double> worst(measured.size(), std::numeric_limits<double>::infinity());
     std::vector<render::EyeImage> worstPairs(measured.size());
@@ -130,6 +131,7 @@ void compare(const MeasureOptions& o, const std::vector<TruthSource>& truths, co
         }
         const scene::View view{camera, source.view.worldFromCamera};
         for (std::size_t i = 0; i < measured.size(); ++i) {
+            gpuScene.settle({&view, 1}, plan.settings[i].quality);
             renderer->draw({&view, 1}, plan.settings[i].quality);
             const std::vector<render::EyeImage> drawn = renderer->readBack();
             measured[i].pictures.push_back({source.view.name, errorOf(drawn[0], truth)});
@@ -146,7 +148,7 @@ void compare(const MeasureOptions& o, const std::vector<TruthSource>& truths, co
 
 /// Every setting at every place, in turn, so that whatever else the machine does meets all of them alike.
 void time(const MeasureOptions& o, const std::vector<scene::Pose>& heads, const render::Device& device,
-          const render::GpuScene& gpuScene, const render::GpuCoverage* coverage, const Plan& plan,
+          render::GpuScene& gpuScene, const render::GpuCoverage* coverage, const Plan& plan,
           std::vector<MeasuredSetting>& measured) {
     render::Renderer renderer(device, gpuScene, o.width, o.height, 2, coverage);
     std::vector<FrameReport> reports(measured.size());
@@ -164,6 +166,7 @@ void time(const MeasureOptions& o, const std::vector<scene::Pose>& heads, const 
     for (const scene::Pose& head : heads) {
         const std::array eyes = eyesAt(head);
         for (std::size_t i = 0; i < measured.size(); ++i) {
+            gpuScene.settle(eyes, plan.settings[i].quality);
             const auto start = std::chrono::steady_clock::now();
             renderer.draw(eyes, plan.settings[i].quality);
             const render::FrameStats stats = renderer.finish();
@@ -224,14 +227,13 @@ void measureScene(const MeasureOptions& o) {
     const scene::Scene scene = scene::openScene(o.scene);
     const std::vector<TruthSource> truths = o.cameras.empty() ? heldOutTruths(scene) : truthsBeside(o.cameras);
     const std::vector<scene::Pose> heads = headsAlong(o, scene);
-    checkMemory(scene, o.draw);
     std::error_code error;
     std::filesystem::create_directories(o.out, error);
     if (error)
         throw scene::Failure("cannot be made (" + error.message() + ")", o.out, "check that the folder may be written");
 
     const render::Device device;
-    const render::GpuScene gpuScene(device, scene.blocks);
+    render::GpuScene gpuScene(device, scene.blocks, memoryFor(o.draw));
     std::optional<render::GpuCoverage> unseen;
     if (scene.coverage && !o.draw.hideUnseen) unseen.emplace(device, *scene.coverage);
     const render::GpuCoverage* const coverage = unseen ? &*unseen : nullptr;

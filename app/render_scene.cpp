@@ -4,6 +4,7 @@
 #include "app/frame_pictures.h"
 #include "app/frame_report.h"
 #include "app/progress.h"
+#include "app/scene_memory.h"
 #include "app/stage_store.h"
 #include "app/view_files.h"
 
@@ -14,6 +15,7 @@
 
 #include <chrono>
 #include <cmath>
+#include <cstdio>
 #include <memory>
 #include <optional>
 #include <span>
@@ -46,7 +48,10 @@ std::vector<NamedView> listViews(const RenderOptions& o, const scene::Scene& sce
 /// The scene on a device, and a renderer of the pictures' size; made anew as a whole.
 class Canvas {
   public:
-    Canvas(const scene::Scene& scene, bool showsUnseen) : scene_(scene), showsUnseen_(showsUnseen) { make(); }
+    Canvas(const scene::Scene& scene, bool showsUnseen, const render::SceneMemory& memory)
+        : scene_(scene), showsUnseen_(showsUnseen), memory_(memory) {
+        make();
+    }
 
     void makeAnew() {
         renderer_.reset();
@@ -74,19 +79,20 @@ class Canvas {
     }
 
     const render::Device& device() const { return *device_; }
-    const render::GpuScene& gpuScene() const { return *gpuScene_; }
+    render::GpuScene& gpuScene() { return *gpuScene_; }
     bool showsUnseen() const { return coverage_ != nullptr; }
 
   private:
     void make() {
         device_ = std::make_unique<render::Device>();
         sayPassedOver(*device_);
-        gpuScene_ = std::make_unique<render::GpuScene>(*device_, scene_.blocks);
+        gpuScene_ = std::make_unique<render::GpuScene>(*device_, scene_.blocks, memory_);
         if (showsUnseen_) coverage_ = makeCoverage(*device_, scene_);
     }
 
     const scene::Scene& scene_;
     bool showsUnseen_;
+    render::SceneMemory memory_;
     std::unique_ptr<render::Device> device_;
     std::unique_ptr<render::GpuScene> gpuScene_;
     std::unique_ptr<render::GpuCoverage> coverage_;
@@ -110,10 +116,10 @@ std::vector<render::EyeImage> drawOnce(render::Renderer& renderer, std::span<con
 void renderScene(const RenderOptions& options) {
     const scene::Scene scene = scene::openScene(options.scene);
     const std::vector<NamedView> views = listViews(options, scene);
-    checkMemory(scene, options.draw);
     const int eyes = options.eyes > 0 ? options.eyes : options.path.empty() ? 1 : 2;
     const render::Quality quality = qualityOf(options.draw);
-    Canvas canvas(scene, quality.showUnseen);
+    Canvas canvas(scene, quality.showUnseen, memoryFor(options.draw));
+    DamageTeller damage;
 
     std::error_code error;
     std::filesystem::create_directories(options.out, error);
@@ -137,6 +143,9 @@ void renderScene(const RenderOptions& options) {
         while (images.empty()) {
             const render::Quality given = without(quality, givenUp);
             try {
+                canvas.gpuScene().settle(eyeViews, given);
+                for (const std::string& sentence : damage.news(canvas.gpuScene(), scene))
+                    std::fprintf(stderr, "revisit: %s\n", sentence.c_str());
                 images = drawOnce(canvas.rendererFor(view.camera, eyes), eyeViews, given, report);
             } catch (const render::OutOfMemory& failure) {
                 if (!giveUpMore(given, failure, givenUp)) throw;
@@ -160,6 +169,7 @@ void renderScene(const RenderOptions& options) {
                             {"ipd_m", options.draw.eyeDistanceMetres}};
     settings.update(toJson(without(quality, givenUp)));
     settings["shows_unseen"] = canvas.showsUnseen();
+    settings["damaged_chunks"] = damage.chunks();
     writeWhole(options.out / "report.json",
                report.summarise(canvas.device(), canvas.gpuScene(), settings)
                        .dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + // paths need not be UTF-8

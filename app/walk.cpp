@@ -141,7 +141,7 @@ void Walk::drawSomehow(WalkStage& stage, xr::ViewSource& source, const xr::Frame
             // A headset's session ends with its device, and takes this frame along.
             if (stage.headset() != nullptr) throw;
             losses_.tell(loss);
-            stage.remakeDevice(scene_);
+            stage.remakeDevice(scene_, memoryFor(options_.draw));
         }
     }
 }
@@ -338,6 +338,9 @@ void Walk::draw(WalkStage& stage, xr::ViewSource& source, const xr::Frame& frame
     if (isDesk(source) || (deskSide_ != nullptr && deskSide_->desk.wantsPicture())) renderer.keepNext();
     fillOverlay(source);
     drawn_ = without(governed_ ? governed_->next(knobs_.quality, renderer.frames()) : knobs_.quality, givenUp_);
+    stage.gpuScene().follow(std::span(views).first(eyes), drawn_);
+    for (const std::string& sentence : damage_.news(stage.gpuScene(), scene_))
+        say(sentence);
     stats_ = renderer.draw(std::span(views).first(eyes), drawn_, std::span(outputs).first(eyes), &overlay_);
     if (deskSide_ != nullptr) mirror(renderer, isDesk(source), frame);
 

@@ -6,6 +6,7 @@
 #include "app/desk.h"
 #include "app/device_trouble.h"
 #include "app/governed_quality.h"
+#include "app/scene_memory.h"
 #include "app/walk_record.h"
 #include "app/walk_stage.h"
 
@@ -93,6 +94,7 @@ class Walk {
     std::optional<scene::Pose> firstHead_;
     WalkRecord record_;
     FrameReport report_;
+    DamageTeller damage_;
     nlohmann::json lastReport_;
     render::FrameStats stats_;
     std::optional<GovernedQuality> governed_;

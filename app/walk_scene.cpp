@@ -115,7 +115,6 @@ void walkScene(const WalkOptions& options) {
     if (options.isHeadless && options.path.empty())
         throw scene::Failure("leads nowhere", std::string("--headless"), "give --path FILE as well");
     const scene::Scene scene = scene::openScene(options.scene);
-    checkMemory(scene, options.draw);
     if (!options.out.empty()) {
         std::error_code error;
         std::filesystem::create_directories(options.out, error);

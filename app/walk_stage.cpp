@@ -1,6 +1,7 @@
 #include "app/walk_stage.h"
 
 #include "app/device_trouble.h"
+#include "app/scene_memory.h"
 
 #include <cassert>
 #include <cmath>
@@ -25,27 +26,29 @@ render::DeviceMaker makerOf(const xr::Runtime& runtime) {
 
 } // namespace
 
-void WalkStage::makeDevice(const scene::Scene& scene, const render::DeviceMaker& maker) {
+void WalkStage::makeDevice(const scene::Scene& scene, const render::SceneMemory& memory,
+                           const render::DeviceMaker& maker) {
     device_ = std::make_unique<render::Device>(maker);
     sayPassedOver(*device_);
-    gpuScene_ = std::make_unique<render::GpuScene>(*device_, scene.blocks);
+    gpuScene_ = std::make_unique<render::GpuScene>(*device_, scene.blocks, memory);
     coverage_ = makeCoverage(*device_, scene);
 }
 
-void WalkStage::remakeDevice(const scene::Scene& scene) {
+void WalkStage::remakeDevice(const scene::Scene& scene, const render::SceneMemory& memory) {
     assert(headset_ == nullptr);
     renderers_ = {};
     coverage_.reset();
     gpuScene_.reset();
     device_.reset();
-    makeDevice(scene, {});
+    makeDevice(scene, memory, {});
 }
 
-WalkStage WalkStage::inHeadset(const scene::Scene& scene, std::unique_ptr<xr::Runtime> runtime) {
+WalkStage WalkStage::inHeadset(const scene::Scene& scene, std::unique_ptr<xr::Runtime> runtime,
+                               const render::SceneMemory& memory) {
     WalkStage stage;
     stage.runtime_ = std::move(runtime);
     stage.name_ = stage.runtime_->name();
-    stage.makeDevice(scene, makerOf(*stage.runtime_));
+    stage.makeDevice(scene, memory, makerOf(*stage.runtime_));
     const render::Device& device = *stage.device_;
     stage.headset_ = std::make_unique<xr::Headset>(
         *stage.runtime_, xr::VulkanHandles{device.instance(), device.physical(), device, device.queueFamily()});
@@ -57,10 +60,10 @@ WalkStage WalkStage::inHeadset(const scene::Scene& scene, std::unique_ptr<xr::Ru
     return stage;
 }
 
-WalkStage WalkStage::atDesk(const scene::Scene& scene, xr::Desktop& desktop) {
+WalkStage WalkStage::atDesk(const scene::Scene& scene, xr::Desktop& desktop, const render::SceneMemory& memory) {
     WalkStage stage;
     stage.name_ = "the desk";
-    stage.makeDevice(scene, {});
+    stage.makeDevice(scene, memory, {});
     stage.source_ = &desktop;
     return stage;
 }
@@ -68,7 +71,7 @@ WalkStage WalkStage::atDesk(const scene::Scene& scene, xr::Desktop& desktop) {
 WalkStage WalkStage::headless(const scene::Scene& scene, xr::Headless::Path path, const WalkOptions& options) {
     WalkStage stage;
     stage.name_ = "no display";
-    stage.makeDevice(scene, {});
+    stage.makeDevice(scene, memoryFor(options.draw), {});
     xr::HeadlessOptions headless;
     headless.width = options.width, headless.height = options.height;
     headless.eyeDistanceMetres = options.draw.eyeDistanceMetres;

@@ -19,9 +19,10 @@ namespace app {
 class WalkStage {
   public:
     /// A headset at an OpenXR runtime of this machine. Throws scene::Failure or xr::Lost.
-    static WalkStage inHeadset(const scene::Scene& scene, std::unique_ptr<xr::Runtime> runtime);
+    static WalkStage inHeadset(const scene::Scene& scene, std::unique_ptr<xr::Runtime> runtime,
+                               const render::SceneMemory& memory = {});
     /// At the desk; desktop must outlive it.
-    static WalkStage atDesk(const scene::Scene& scene, xr::Desktop& desktop);
+    static WalkStage atDesk(const scene::Scene& scene, xr::Desktop& desktop, const render::SceneMemory& memory = {});
     /// No display; along a path.
     static WalkStage headless(const scene::Scene& scene, xr::Headless::Path path, const WalkOptions& options);
 
@@ -34,10 +35,11 @@ class WalkStage {
     render::Renderer& rendererFor(const xr::ViewSource& source);
 
     /// Where no headset hangs on it: device, scene and renderers, all made anew; the source goes on as it is.
-    void remakeDevice(const scene::Scene& scene);
+    void remakeDevice(const scene::Scene& scene, const render::SceneMemory& memory);
 
     const render::Device& device() const { return *device_; }
     const render::GpuScene& gpuScene() const { return *gpuScene_; }
+    render::GpuScene& gpuScene() { return *gpuScene_; }
     const std::string& name() const { return name_; } ///< what the walker looks through
     /// Asks the headset for the offered rate that is nearest; 0: as it is. What is to be said if it is not that rate.
     std::string askForRate(double framesPerSecond);
@@ -47,7 +49,7 @@ class WalkStage {
     bool requestEnd();
 
   private:
-    void makeDevice(const scene::Scene& scene, const render::DeviceMaker& maker);
+    void makeDevice(const scene::Scene& scene, const render::SceneMemory& memory, const render::DeviceMaker& maker);
     std::unique_ptr<render::Renderer> makeRenderer(const xr::ViewSource& source) const;
 
     // In the order in which they are made; the last goes first.

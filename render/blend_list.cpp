@@ -16,6 +16,10 @@ scene::SampleBox boxOf(const TileBounds& bounds, std::uint32_t i) {
     return {{bounds.xMin[i], bounds.yMin[i], bounds.dMin[i]}, {bounds.xMax[i], bounds.yMax[i], bounds.dMax[i]}};
 }
 
+bool isWhole(const ChunkPlace& place) {
+    return place.isThere() && !place.isDamaged;
+}
+
 /// Whether any tile of the piece may be added.
 bool mayCount(const TilePiece& piece, const glm::dvec3& eyeFromCamera, const scene::BlendOptions& options) {
     return std::isinf(piece.reachMetres) ||
@@ -24,9 +28,11 @@ bool mayCount(const TilePiece& piece, const glm::dvec3& eyeFromCamera, const sce
 
 } // namespace
 
-void buildBlendList(std::span<const ResidentTile> tiles, const TileBounds& bounds, std::span<const TilePiece> pieces,
-                    std::span<const SourceView> sources, const VisibleTiles& visible,
-                    const scene::BlendOptions& options, std::span<BlendDraw> draws, BlendList& list) {
+void buildBlendList(const SceneIndex& scene, std::span<const ChunkPlace> places, std::span<const SourceView> sources,
+                    const VisibleTiles& visible, const scene::BlendOptions& options, std::span<BlendDraw> draws,
+                    BlendList& list) {
+    const std::vector<ResidentTile>& tiles = scene.tiles;
+    const std::vector<TilePiece>& pieces = scene.pieces;
     const float unit = scene::blendUnitOf(sources.size());
     // Every piece chooses in its own part of the scratch arrays; then the parts are put together in order.
     list.numbers.resize(tiles.size());
@@ -40,8 +46,8 @@ void buildBlendList(std::span<const ResidentTile> tiles, const TileBounds& bound
         for (std::uint32_t i = 0; i < visible.counts[p]; ++i) {
             const std::uint32_t number = visible.slots[piece.first + i];
             const ResidentTile& tile = tiles[number];
-            if (tile.pointCount == 0) continue;
-            const auto spot = scene::blendSpotOf(sources[tile.image].eyeImageFromSource, boxOf(bounds, number),
+            if (tile.pointCount == 0 || !isWhole(places[tile.chunk])) continue;
+            const auto spot = scene::blendSpotOf(sources[tile.image].eyeImageFromSource, boxOf(scene.bounds, number),
                                                  tile.middle, eyeFromCamera, options);
             if (!spot || unit * spot->weight < 0.5f) continue; // would count nothing anywhere
             const std::uint32_t place = piece.first + list.counts[p]++;
@@ -57,8 +63,8 @@ void buildBlendList(std::span<const ResidentTile> tiles, const TileBounds& bound
         for (std::uint32_t i = 0; i < list.counts[p]; ++i) {
             const std::uint32_t place = pieces[p].first + i, number = list.numbers[place];
             const ResidentTile& tile = tiles[number];
-            if (list.runs.empty() || list.runs.back().page != tile.page)
-                list.runs.push_back({tile.page, list.tiles, 0});
+            const std::uint32_t page = places[tile.chunk].page;
+            if (list.runs.empty() || list.runs.back().page != page) list.runs.push_back({page, list.tiles, 0});
             ++list.runs.back().count;
             list.items += tile.pointCount;
             list.numbers[list.tiles] = number;
@@ -73,7 +79,7 @@ void buildBlendList(std::span<const ResidentTile> tiles, const TileBounds& bound
             const scene::BlendSpot& spot = list.spots[i];
             BlendDraw draw;
             draw.tile = tileDrawOf(sources[tile.image].eyeImageFromSource, tile);
-            draw.tile.span.y = tile.firstVertex;
+            draw.tile.span.y = places[tile.chunk].firstTexel + tile.firstVertex;
             draw.tile.span.z = tile.pointCount;
             draw.spot = vec4(spot.xx, spot.xy, spot.yy, unit * spot.weight);
             draw.reach = vec4(spot.reachX, spot.reachY, spot.tolerance, 0.0f);

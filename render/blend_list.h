@@ -22,8 +22,8 @@ struct BlendList {
 };
 
 /// As buildDrawList. sources: one for each captured image; coarser levels are left out.
-void buildBlendList(std::span<const ResidentTile> tiles, const TileBounds& bounds, std::span<const TilePiece> pieces,
-                    std::span<const SourceView> sources, const VisibleTiles& visible,
-                    const scene::BlendOptions& options, std::span<BlendDraw> draws, BlendList& list);
+void buildBlendList(const SceneIndex& scene, std::span<const ChunkPlace> places, std::span<const SourceView> sources,
+                    const VisibleTiles& visible, const scene::BlendOptions& options, std::span<BlendDraw> draws,
+                    BlendList& list);
 
 } // namespace render

@@ -2,8 +2,8 @@
 // The visible tiles of one eye, each with its own warp, in the order in which they lie in memory, page by page: the
 // z-buffer makes no difference between orders.
 
-#include "render/gpu_scene.h"
 #include "render/quality.h"
+#include "render/scene_index.h"
 #include "render/shaders/shared/tile_draw.h"
 
 #include <cstdint>
@@ -38,6 +38,7 @@ struct DrawList {
     /// Scratch, kept from frame to frame: the tiles to draw, by piece; how many of each; and in which order.
     struct Chosen {
         std::uint32_t tile = 0, orderLevel = 0;
+        bool isStandIn = false;
         Warp warp = Warp::points;
         vec4 detail{0};
     };
@@ -45,14 +46,21 @@ struct DrawList {
     std::vector<std::uint32_t> counts, order;
 };
 
-/// What the warp of this tile needs, at an order level (scene/preference.h). C is multiplied out in double precision
-/// and only then rounded.
+/// Stand-ins are drawn as surfaces, which stay whole however near one comes, and as points, which close what is left
+/// between surfaces: at coarse silhouettes that is wide.
+inline constexpr std::size_t kDrawsPerTile = 2;
+
+/// Coarse samples that stand in for finer ones are drawn as squares of so many pixels at most.
+inline constexpr int kWidestStandIn = 64;
+
+/// What the warp of this tile needs, at an order level (scene/preference.h), as if its chunk stood at the start of its
+/// page. C is multiplied out in double precision and only then rounded.
 TileDraw tileDrawOf(const glm::dmat4& eyeImageFromSource, const ResidentTile& tile, int orderLevel = 0);
 
-/// Builds the list of all tiles that have items for this warp, and writes draws (room for all tiles of the
-/// scene). sources: one for each of the scene's images. The same bytes on any number of threads.
-void buildDrawList(std::span<const ResidentTile> tiles, const TileBounds& bounds, std::span<const TilePiece> pieces,
-                   std::span<const SourceView> sources, const VisibleTiles& visible, const Quality& quality,
-                   std::span<TileDraw> draws, DrawList& list);
+/// Builds the list of all tiles that have items for this warp and are there, and writes draws (room for
+/// kDrawsPerTile for each tile if anything is missing, else for one). Coarser tiles stand in for finer ones that are
+/// not. sources: one for each of the scene's images. The same bytes on any number of threads.
+void buildDrawList(const SceneIndex& scene, std::span<const ChunkPlace> places, std::span<const SourceView> sources,
+                   const VisibleTiles& visible, const Quality& quality, std::span<TileDraw> draws, DrawList& list);
 
 } // namespace render

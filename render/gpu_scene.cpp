@@ -1,171 +1,122 @@
 #include "render/gpu_scene.h"
 
 #include "render/device.h"
-#include "scene/pyramid.h"
+#include "render/placeholder.h"
+#include "scene/errors.h"
+
+#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <array>
 #include <cassert>
+#include <numeric>
+#include <utility>
 
 namespace render {
 
 namespace {
 
-constexpr std::array kPageBindings{Binding::texels, Binding::texels, Binding::texels, Binding::texels};
-
-constexpr std::uint32_t kTilesPerPiece = 2048; ///< some microseconds of culling: worth a task
-
-/// The bytes of a block's tile that go to the device, by binding.
-std::array<std::span<const std::byte>, 4> sourceOf(const scene::TileBlock& block, const scene::Tile& tile) {
-    return {std::as_bytes(block.vertices.subspan(tile.firstVertex, tile.vertexCount)),
-            std::as_bytes(block.quads.subspan(tile.firstQuad, tile.quadCount)),
-            std::as_bytes(block.facets.subspan(tile.firstFacet, tile.facetCount)),
-            std::as_bytes(block.texels.subspan(tile.firstTexel, scene::texelCountOf(tile)))};
+std::size_t bytesOf(const SceneIndex& index) {
+    std::size_t bytes = 0;
+    for (const IndexedChunk& chunk : index.chunks)
+        bytes += chunk.chunk.bytes();
+    return bytes;
 }
 
-/// In the middle by distance from the camera; infinite for the sky.
-double middleReachOf(const scene::TileBlock& block) {
-    std::vector<double> reaches;
-    for (const scene::Tile& tile : block.tiles)
-        reaches.push_back(scene::reachOf(scene::middleOf(tile, block.camera, block.worldFromCamera)));
-    if (reaches.empty()) return 0;
-    const auto middle = reaches.begin() + std::ssize(reaches) / 2;
-    std::nth_element(reaches.begin(), middle, reaches.end());
-    return *middle;
+std::uint32_t evenTexels(std::size_t bytes) {
+    return static_cast<std::uint32_t>((bytes / kTexelBytes + 1) / 2 * 2); // facets are two
+}
+
+std::string mebibytes(std::size_t bytes) {
+    return std::to_string((bytes >> 20) + 1) + " MiB";
 }
 
 } // namespace
 
-/// How far the page is filled that is being laid out: texels, by binding.
-struct GpuScene::Filling {
-    std::uint32_t page = 0;
-    std::array<std::size_t, 4> texels{};
-    std::size_t room = 0; ///< of each
-};
-
-GpuScene::GpuScene(const Device& device, std::span<const scene::TileBlock> blocks, std::size_t pageBytes)
-    : pageLayout_(makeSetLayout(device, kPageBindings)) {
-    layOut(blocks, std::min(pageBytes, device.limits().maxTexelBufferElements * kTexelBytes));
-    upload(device, blocks);
+GpuScene::GpuScene(const Device& device, std::span<const scene::TileBlock> blocks, const SceneMemory& memory) {
+    const std::size_t pageBytes = std::min(memory.pageBytes, device.limits().maxTexelBufferElements * kTexelBytes);
+    index_ = SceneIndex(blocks, std::min(scene::kChunkBytes, pageBytes));
+    places_.resize(index_.chunks.size());
+    if (bytesOf(index_) <= memory.budgetBytes)
+        holdAll(device, blocks, pageBytes);
+    else
+        holdSome(device, blocks, {memory.budgetBytes, pageBytes, memory.isStaged});
 }
 
-void GpuScene::layOut(std::span<const scene::TileBlock> blocks, std::size_t pageBytes) {
-    Filling filling;
-    filling.room = pageBytes / kTexelBytes;
-    capturedImages_ = blocks.size();
-    std::vector<ResidentImage> captured;
-    for (const scene::TileBlock& block : blocks) {
-        captured.push_back({block.camera,
-                            block.worldFromCamera,
-                            {},
-                            static_cast<std::uint32_t>(captured.size()),
-                            0,
-                            !block.coarser.empty(),
-                            middleReachOf(block)});
-        layOutImage(captured.back(), block.tiles, filling);
+void GpuScene::holdAll(const Device& device, std::span<const scene::TileBlock> blocks, std::size_t pageBytes) {
+    const std::uint32_t room = static_cast<std::uint32_t>(pageBytes / kTexelBytes) / 2 * 2;
+    std::vector<std::uint32_t> pages;
+    for (std::size_t i = 0; i < places_.size(); ++i) {
+        const std::uint32_t texels = evenTexels(index_.chunks[i].chunk.bytes());
+        assert(texels <= room);
+        if (pages.empty() || pages.back() + texels > room) pages.push_back(0);
+        places_[i].page = static_cast<std::uint32_t>(pages.size() - 1);
+        places_[i].firstTexel = pages.back();
+        pages.back() += texels;
     }
-    for (std::size_t i = 0; i < blocks.size(); ++i) {
-        std::span<const scene::Tile> left = blocks[i].coarser;
-        while (!left.empty()) {
-            const std::uint8_t level = left.front().level;
-            std::size_t count = 0;
-            while (count < left.size() && left[count].level == level)
-                ++count;
-            ResidentImage image = captured[i];
-            image.camera = scene::cameraAtLevel(image.camera, level);
-            image.level = level;
-            image.hasCoarser = count < left.size();
-            layOutImage(image, left.first(count), filling);
-            left = left.subspan(count);
-        }
-    }
-    pages_.resize(tiles_.empty() ? 0 : filling.page + 1);
+    for (std::uint32_t& texels : pages)
+        texels = std::max(texels, 2u); // a buffer cannot be empty; nothing ever reads this one
+    pool_ = std::make_unique<TilePool>(device, pages);
+    std::vector<std::uint32_t> all(places_.size());
+    std::iota(all.begin(), all.end(), 0u);
+    fill(device, blocks, all);
 }
 
-void GpuScene::layOutImage(const ResidentImage& image, std::span<const scene::Tile> tiles, Filling& filling) {
-    const auto number = static_cast<std::uint32_t>(images_.size());
-    const std::size_t firstTile = tiles_.size();
-    for (const scene::Tile& tile : tiles) {
-        const std::array<std::size_t, 4> needed{tile.vertexCount, tile.quadCount, 2 * std::size_t{tile.facetCount},
-                                                scene::texelCountOf(tile)};
-        bool fits = true;
-        for (std::size_t i = 0; i < needed.size(); ++i) {
-            assert(needed[i] <= filling.room);
-            fits = fits && filling.texels[i] + needed[i] <= filling.room;
-        }
-        if (!fits) ++filling.page, filling.texels = {};
-        const auto first = [&](std::size_t binding) { return static_cast<std::uint32_t>(filling.texels[binding]); };
-        ResidentTile resident;
-        resident.image = number, resident.page = filling.page;
-        resident.firstVertex = first(0), resident.pointCount = tile.pointCount;
-        resident.firstQuad = first(1), resident.quadCount = tile.quadCount;
-        resident.firstFacet = first(2) / 2, resident.facetCount = tile.facetCount;
-        resident.firstTexel = first(3), resident.texelsInRow = tile.width + 1u;
-        resident.x0 = tile.x0, resident.y0 = tile.y0;
-        resident.minDisparity = tile.minDisparity, resident.maxDisparity = tile.maxDisparity;
-        resident.placeBits = tile.placeBits;
-        resident.middle = scene::middleOf(tile, image.camera, image.worldFromCamera);
-        tiles_.push_back(resident);
-        bounds_.append(tile, image.camera);
-        for (std::size_t i = 0; i < needed.size(); ++i)
-            filling.texels[i] += needed[i];
-    }
-    images_.push_back(image);
-    images_.back().extent = bounds_.extentOf(firstTile, tiles.size());
-    for (std::size_t first = firstTile; first < tiles_.size(); first += pieces_.back().count)
-        pieces_.push_back(pieceFrom(first));
+void GpuScene::holdSome(const Device& device, std::span<const scene::TileBlock> blocks, const SceneMemory& memory) {
+    index_.findFiner();
+    const std::vector<std::uint32_t> kept = chunksToKeep(index_, memory.budgetBytes);
+    for (const std::uint32_t chunk : kept)
+        bytesKept_ += index_.chunks[chunk].chunk.bytes();
+    constexpr std::size_t kLeastChunks = 4; // that come and go
+    if (bytesKept_ + kLeastChunks * scene::kChunkBytes > memory.budgetBytes)
+        throw scene::Failure("needs at least " + mebibytes(bytesKept_ + kLeastChunks * scene::kChunkBytes) +
+                                 " to show the coarsest of everything, but may take " + mebibytes(memory.budgetBytes) +
+                                 " of its " + mebibytes(bytesOf(index_)),
+                             std::string("the scene"), "allow more with --memory");
+    std::vector<std::uint32_t> pages(memory.budgetBytes / memory.pageBytes,
+                                     static_cast<std::uint32_t>(memory.pageBytes / kTexelBytes) / 2 * 2);
+    const std::size_t rest = memory.budgetBytes % memory.pageBytes;
+    if (rest >= scene::kChunkBytes) pages.push_back(static_cast<std::uint32_t>(rest / kTexelBytes) / 2 * 2);
+    pool_ = std::make_unique<TilePool>(device, pages);
+    std::vector<RangeAllocator> free;
+    for (const std::uint32_t texels : pages)
+        free.emplace_back(texels);
+    for (const std::uint32_t chunk : kept)
+        for (std::uint32_t page = 0; page < free.size() && !places_[chunk].isThere(); ++page)
+            if (const auto first = free[page].take(evenTexels(index_.chunks[chunk].chunk.bytes())))
+                places_[chunk] = {page, *first, false};
+    fill(device, blocks, kept);
+    stream_ = std::make_unique<TileStream>(device, index_, blocks, *pool_, kept, std::move(free), memory.isStaged);
 }
 
-TilePiece GpuScene::pieceFrom(std::size_t first) const {
-    const auto isBase = [](const ResidentTile& tile) { return tile.middle.tier == scene::Tier::base; };
-    TilePiece piece{tiles_[first].image, static_cast<std::uint32_t>(first), 0};
-    const bool wantsBase = isBase(tiles_[first]);
-    double reach = 0;
-    for (std::size_t i = first; i < tiles_.size() && piece.count < kTilesPerPiece; ++i, ++piece.count) {
-        if (isBase(tiles_[i]) != wantsBase) break;
-        reach = std::max(reach, scene::reachOf(tiles_[i].middle));
-    }
-    if (!wantsBase) piece.reachMetres = reach;
-    return piece;
+void GpuScene::fill(const Device& device, std::span<const scene::TileBlock> blocks,
+                    std::span<const std::uint32_t> chunks) {
+    for (std::uint32_t page = 0; page < pool_->pageCount(); ++page)
+        pool_->fill(device, page, [&](std::byte* bytes) {
+            tbb::parallel_for(std::size_t{0}, chunks.size(), [&](std::size_t i) {
+                ChunkPlace& place = places_[chunks[i]];
+                if (place.page != page) return;
+                const IndexedChunk& chunk = index_.chunks[chunks[i]];
+                const scene::TileBlock& block = blocks[chunk.captured];
+                place.isDamaged = !scene::isSound(block, chunk.chunk, chunk.number);
+                std::byte* const to = bytes + std::size_t{place.firstTexel} * kTexelBytes;
+                if (place.isDamaged)
+                    writePlaceholder(block, chunk.chunk, to);
+                else
+                    scene::copyChunk(block, chunk.chunk, to);
+            });
+        });
+    for (const std::uint32_t chunk : chunks)
+        if (places_[chunk].isDamaged) damaged_.push_back(chunk);
 }
 
-void GpuScene::upload(const Device& device, std::span<const scene::TileBlock> blocks) {
-    if (pages_.empty()) return;
-    pool_ = makeSetPool(device, pages_.size(), kPageBindings);
-    std::array<std::vector<std::byte>, 4> bytes;
-    std::uint32_t page = 0;
-    const auto flush = [&] {
-        Page& made = pages_[page];
-        std::array<Bound, 4> bound;
-        for (std::size_t i = 0; i < bytes.size(); ++i) {
-            if (bytes[i].empty()) bytes[i].resize(kTexelBytes); // a buffer cannot be empty; nothing ever reads this one
-            made.buffers[i] = uploadTexels(device, bytes[i]);
-            made.views[i] = makeTexelView(device, made.buffers[i]);
-            bound[i] = {made.buffers[i].handle(), made.views[i]};
-            bytesResident_ += made.buffers[i].size();
-            bytes[i].clear();
-        }
-        made.set = allocateSet(device, pool_, pageLayout_, bound);
-    };
-
-    std::size_t index = 0;
-    const auto append = [&](const scene::TileBlock& block, std::span<const scene::Tile> tiles) {
-        for (const scene::Tile& tile : tiles) {
-            if (tiles_[index].page != page) {
-                flush();
-                page = tiles_[index].page;
-            }
-            const auto source = sourceOf(block, tile);
-            for (std::size_t i = 0; i < source.size(); ++i)
-                bytes[i].insert(bytes[i].end(), source[i].begin(), source[i].end());
-            ++index;
-        }
-    };
-    for (const scene::TileBlock& block : blocks)
-        append(block, block.tiles);
-    for (const scene::TileBlock& block : blocks)
-        append(block, block.coarser);
-    flush();
+std::vector<std::uint32_t> GpuScene::takeDamaged() {
+    std::vector<std::uint32_t> damaged = std::exchange(damaged_, {});
+    if (stream_) {
+        const std::vector<std::uint32_t> further = stream_->takeDamaged();
+        damaged.insert(damaged.end(), further.begin(), further.end());
+    }
+    return damaged;
 }
 
 } // namespace render

@@ -1,15 +1,14 @@
 #pragma once
-// A scene on the device: vertices and quads in pages, and what the processor keeps of each tile to cull and
-// draw it.
+// A scene on the device: all of it, or, where it is larger than what it may take, as much as the eyes want most.
 
-#include "render/pipeline.h"
-#include "render/resources.h"
-#include "render/visibility.h"
-#include "scene/preference.h"
-#include "scene/tile.h"
+#include "render/draw_list.h"
+#include "render/scene_index.h"
+#include "render/tile_pool.h"
+#include "render/tile_stream.h"
 
-#include <array>
 #include <cstdint>
+#include <limits>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -19,70 +18,67 @@ namespace render {
 /// pages.
 inline constexpr std::size_t kPageBytes = std::size_t{64} << 20;
 
-/// A tile as the draw list needs it; positions count within its page.
-struct ResidentTile {
-    std::uint32_t image = 0, page = 0; ///< image: of its level
-    std::uint32_t firstVertex = 0, pointCount = 0, firstQuad = 0, quadCount = 0;
-    std::uint32_t firstFacet = 0, facetCount = 0, firstTexel = 0, texelsInRow = 0;
-    std::int32_t x0 = 0, y0 = 0; ///< first sample in the image
-    float minDisparity = 0, maxDisparity = 0;
-    std::uint32_t placeBits = scene::kPlaceBits;
-    scene::TileMiddle middle;
-};
-
-/// A captured image, or one of its coarser levels (scene/pyramid.h).
-struct ResidentImage {
-    scene::Camera camera;
-    scene::Pose worldFromCamera;
-    BoundsExtent extent;
-    std::uint32_t captured = 0, level = 0; ///< of which image it is a level, and which
-    bool hasCoarser = false;
-    double middleReach = 0; ///< metres from the camera to the tile in the middle of those of the captured image
+struct SceneMemory {
+    std::size_t budgetBytes = std::numeric_limits<std::size_t>::max(); ///< of what tiles hold
+    std::size_t pageBytes = kPageBytes;                                ///< tests make pages small
+    bool isStaged = false; ///< tests: as if the processor could not see the device's memory
 };
 
 class GpuScene {
   public:
-    /// Copies the blocks to the device, pageBytes of vertices and of quads to a page (tests make them small).
-    /// The blocks are not needed afterwards. A tile is never split: pageBytes must hold the largest. Throws
-    /// scene::Failure if the device's memory does not suffice.
-    GpuScene(const Device& device, std::span<const scene::TileBlock> blocks, std::size_t pageBytes = kPageBytes);
+    /// Copies what the blocks hold to the device, or what of it is always to be there; then the blocks must outlive the
+    /// scene. A tile is never split: pageBytes must hold the largest. Throws scene::Failure if the device's memory does
+    /// not suffice, or the budget not for the coarsest of everything.
+    GpuScene(const Device& device, std::span<const scene::TileBlock> blocks, const SceneMemory& memory);
+    GpuScene(const Device& device, std::span<const scene::TileBlock> blocks, std::size_t pageBytes = kPageBytes)
+        : GpuScene(device, blocks, SceneMemory{.pageBytes = pageBytes}) {}
+
+    const SceneIndex& index() const { return index_; }
+    /// For each chunk of the index.
+    std::span<const ChunkPlace> places() const { return places_; }
 
     /// The captured ones first, then their coarser levels.
-    std::span<const ResidentImage> images() const { return images_; }
-    std::size_t capturedImages() const { return capturedImages_; }
-    std::span<const ResidentTile> tiles() const { return tiles_; }
-    const TileBounds& bounds() const { return bounds_; }
-    /// All tiles once, in order; a piece never crosses an image, nor holds both base tiles and others.
-    std::span<const TilePiece> pieces() const { return pieces_; }
+    std::span<const ResidentImage> images() const { return index_.images; }
+    std::size_t capturedImages() const { return index_.capturedImages; }
+    std::span<const ResidentTile> tiles() const { return index_.tiles; }
+    const TileBounds& bounds() const { return index_.bounds; }
+    std::span<const TilePiece> pieces() const { return index_.pieces; }
 
-    std::size_t pageCount() const { return pages_.size(); }
-    std::size_t bytesResident() const { return bytesResident_; }
+    std::size_t pageCount() const { return pool_->pageCount(); }
+    std::size_t bytesResident() const { return pool_->bytes(); }
+    VkDescriptorSetLayout pageLayout() const { return pool_->layout(); }
+    VkDescriptorSet pageSet(std::size_t page) const { return pool_->setOf(page); }
 
-    /// Binding 0: vertices, 1: quads, 2: facets (two texels each), 3: what they are textured with; all as texels.
-    VkDescriptorSetLayout pageLayout() const { return pageLayout_; }
-    VkDescriptorSet pageSet(std::size_t page) const { return pages_[page].set; }
+    /// Of an eye's list, at most.
+    std::size_t mostDraws() const { return (isStreamed() ? kDrawsPerTile : 1) * tiles().size(); }
+
+    /// Whether only part of the scene is there at a time.
+    bool isStreamed() const { return stream_ != nullptr; }
+    std::size_t bytesKept() const { return bytesKept_; } ///< of what is always there
+    StreamCounts streamCounts() const { return stream_ ? stream_->counts() : StreamCounts{}; }
+
+    /// Before each frame that these eyes get (see TileStream); nothing to do where all is there.
+    void follow(std::span<const scene::View> eyes, const Quality& quality) {
+        if (stream_) stream_->follow(eyes, quality, places_);
+    }
+    void settle(std::span<const scene::View> eyes, const Quality& quality) {
+        if (stream_) stream_->settle(eyes, quality, places_);
+    }
+
+    /// Chunks found damaged since the last call: placeholders are drawn for them, of class unseen.
+    std::vector<std::uint32_t> takeDamaged();
 
   private:
-    struct Page {
-        std::array<Buffer, 4> buffers;
-        std::array<BufferView, 4> views;
-        VkDescriptorSet set = VK_NULL_HANDLE;
-    };
-    TilePiece pieceFrom(std::size_t first) const; ///< up to the last tile there is
-    struct Filling;
-    void layOut(std::span<const scene::TileBlock> blocks, std::size_t pageBytes);
-    void layOutImage(const ResidentImage& image, std::span<const scene::Tile> tiles, Filling& filling);
-    void upload(const Device& device, std::span<const scene::TileBlock> blocks);
+    void holdAll(const Device& device, std::span<const scene::TileBlock> blocks, std::size_t pageBytes);
+    void holdSome(const Device& device, std::span<const scene::TileBlock> blocks, const SceneMemory& memory);
+    void fill(const Device& device, std::span<const scene::TileBlock> blocks, std::span<const std::uint32_t> chunks);
 
-    std::vector<ResidentImage> images_;
-    std::size_t capturedImages_ = 0;
-    std::vector<ResidentTile> tiles_;
-    TileBounds bounds_;
-    std::vector<TilePiece> pieces_;
-    std::vector<Page> pages_;
-    DescriptorSetLayout pageLayout_;
-    DescriptorPool pool_;
-    std::size_t bytesResident_ = 0;
+    SceneIndex index_;
+    std::vector<ChunkPlace> places_;
+    std::unique_ptr<TilePool> pool_;
+    std::vector<std::uint32_t> damaged_;
+    std::size_t bytesKept_ = 0;
+    std::unique_ptr<TileStream> stream_; ///< goes first; null where all is there
 };
 
 } // namespace render

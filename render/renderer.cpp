@@ -10,7 +10,8 @@ namespace render {
 namespace {
 
 /// How far outside the image a sample may stand and still touch it.
-double marginOf(const Quality& quality) {
+double marginOf(const Quality& quality, const GpuScene& scene) {
+    if (scene.isStreamed()) return kWidestStandIn;
     const double margin = quality.warp == Warp::mesh     ? 1.0
                           : quality.warp == Warp::splats ? quality.maxSplat + 1.0
                                                          : 0.5 * quality.maxFootprint + 1.0;
@@ -48,7 +49,7 @@ Renderer::Renderer(const Device& device, const GpuScene& scene, int width, int h
       streams_(device, eyes) {
     assert(width > 0 && height > 0 && eyes >= 1 && eyes <= kMaxEyes);
     for (int eye = 0; eye < eyes; ++eye)
-        eyes_.push_back({.target = makeEyeTarget(device, eyeLayout_, width, height, scene.tiles().size()),
+        eyes_.push_back({.target = makeEyeTarget(device, eyeLayout_, width, height, scene.mostDraws()),
                          .timers = {StepTimer(device), StepTimer(device)}});
 }
 
@@ -109,14 +110,14 @@ void Renderer::chooseResolution(const Quality& quality) {
             for (std::size_t slot = 0; slot < kFramesInFlight; ++slot)
                 streams_.wait(slot); // the one that goes may be in use
             eye.blend.reset();
-            eye.blend = makeBlendTarget(device_, blend_, room, scene_.tiles().size());
+            eye.blend = makeBlendTarget(device_, blend_, room, scene_.mostDraws());
         }
         if (!isScaled || (eye.scaled && eye.scaled->pixels >= room)) continue;
         for (std::size_t slot = 0; slot < kFramesInFlight; ++slot)
             streams_.wait(slot); // the one that goes may be in use
         eye.scaled.reset();
         eye.scaled =
-            makeScaledTarget(device_, rescale_, eyeLayout_, eye.target, roomWidth, roomHeight, scene_.tiles().size());
+            makeScaledTarget(device_, rescale_, eyeLayout_, eye.target, roomWidth, roomHeight, scene_.mostDraws());
     }
 }
 
@@ -129,14 +130,14 @@ void Renderer::prepare(Eye& eye, const scene::View& given, const Quality& qualit
         eye.planes.clear();
         for (std::size_t i = 0; i < eye.sources.size(); ++i)
             eye.planes.push_back(planesOf(eye.sources[i].eyeImageFromSource, eye.warpWidth, eye.warpHeight,
-                                          marginOf(quality), scene_.images()[i].extent));
+                                          marginOf(quality, scene_), scene_.images()[i].extent));
         cull(scene_.bounds(), scene_.pieces(), eye.planes, eye.visible);
     });
     timed(eye.times, "list", index, [&] {
-        buildDrawList(scene_.tiles(), scene_.bounds(), scene_.pieces(), eye.sources, eye.visible, quality,
+        buildDrawList(scene_.index(), scene_.places(), eye.sources, eye.visible, quality,
                       eye.warped().draws[slot].as<TileDraw>(), eye.list);
         if (!quality.isBlended) return;
-        buildBlendList(scene_.tiles(), scene_.bounds(), scene_.pieces(),
+        buildBlendList(scene_.index(), scene_.places(),
                        std::span<const SourceView>(eye.sources).first(scene_.capturedImages()), eye.visible,
                        quality.blend, eye.blend->draws[slot].as<BlendDraw>(), eye.blendList);
     });

@@ -45,7 +45,8 @@ class Buffer {
 /// A buffer of texels on the device that holds these bytes (at least one texel). Waits until they are there.
 Buffer uploadTexels(const Device& device, std::span<const std::byte> bytes);
 
-/// A texel: two 32-bit numbers.
+/// A texel: two 32-bit numbers. All that tiles hold is counted in texels: a vertex, a square or a colour is one, a
+/// facet two.
 inline constexpr std::size_t kTexelBytes = 8;
 
 /// The whole buffer as texels. It must have at most limits().maxTexelBufferElements of them.

@@ -1,5 +1,7 @@
 #include "scene/pick.h"
 
+#include "scene/tile_chunks.h"
+
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -73,8 +75,10 @@ void collectLone(const TileBlock& block, const Tile& tile, TileSet& lone) {
 Candidates collect(const TileBlock& block, const View& eye, const PreferenceOptions& shownGuesses) {
     Candidates found;
     const Planes planes = planesOf(eye, eyeImageFromSourceImage(eye, block.camera, block.worldFromCamera));
-    for (const Tile& tile : block.tiles) {
-        if (tile.tier == Tier::directional || !mayBeSeen(tile, planes)) continue;
+    SoundTiles sound(block);
+    for (std::size_t i = 0; i < block.tiles.size(); ++i) {
+        const Tile& tile = block.tiles[i];
+        if (tile.tier == Tier::directional || !mayBeSeen(tile, planes) || !sound.isSound(i)) continue;
         if (tile.tier == Tier::base) {
             found.seen.push_back(tile);
             collectLone(block, tile, found.lone);
@@ -199,7 +203,7 @@ std::optional<Pick> pick(std::span<const TileBlock> blocks, const Ray& ray, cons
         const auto lend = [&](std::vector<TileBlock>& into, std::span<const Tile> tiles,
                               std::span<const TileVertex> vertices) {
             if (!tiles.empty())
-                into.push_back({block.camera, block.worldFromCamera, tiles, {}, vertices, block.quads, {}, {}});
+                into.push_back({block.camera, block.worldFromCamera, tiles, {}, vertices, block.quads, {}, {}, {}});
         };
         lend(seen, candidates[i].seen, block.vertices);
         lend(guesses, candidates[i].guesses, block.vertices);

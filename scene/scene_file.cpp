@@ -2,6 +2,7 @@
 
 #include "scene/errors.h"
 #include "scene/pyramid.h"
+#include "scene/tile_chunks.h"
 
 #include <algorithm>
 #include <array>
@@ -26,7 +27,7 @@ using nlohmann::json;
 static_assert(std::endian::native == std::endian::little, "tiles.bin is little-endian and mapped as it is");
 
 constexpr std::array<char, 8> kMagic{'R', 'V', 'T', 'I', 'L', 'E', 'S', 0};
-constexpr std::uint32_t kVersion = 3, kByteOrderMark = 0x01020304;
+constexpr std::uint32_t kVersion = 4, kByteOrderMark = 0x01020304;
 constexpr std::uint64_t kAlignment = 64;
 constexpr const char* kRemedy = "the scene is damaged: build it again";
 
@@ -42,9 +43,10 @@ static_assert(sizeof(FileHeader) == 64);
 struct BlockEntry {
     std::uint64_t offset = 0;
     std::uint32_t tileCount = 0, coarserCount = 0, vertexCount = 0, quadCount = 0, facetCount = 0, texelCount = 0;
-    std::uint64_t checksum = 0;
+    std::uint32_t chunkCount = 0, reserved = 0;
+    std::uint64_t checksum = 0; ///< of the tiles and the checksums of chunks
 };
-static_assert(sizeof(BlockEntry) == 40);
+static_assert(sizeof(BlockEntry) == 48);
 
 std::uint64_t checksumOf(std::span<const std::byte> bytes) {
     return XXH3_64bits(bytes.data(), bytes.size());
@@ -55,10 +57,16 @@ std::span<const std::byte> bytesOf(const T& value) {
     return std::as_bytes(std::span(&value, 1));
 }
 
-std::uint64_t blockBytes(const BlockEntry& entry) {
+/// Of what is checked when the scene is opened.
+std::uint64_t headBytes(const BlockEntry& entry) {
     return (std::uint64_t{entry.tileCount} + entry.coarserCount) * sizeof(Tile) +
-           std::uint64_t{entry.vertexCount} * sizeof(TileVertex) + std::uint64_t{entry.quadCount} * sizeof(TileQuad) +
-           std::uint64_t{entry.facetCount} * sizeof(TileFacet) + std::uint64_t{entry.texelCount} * sizeof(TileTexel);
+           std::uint64_t{entry.chunkCount} * sizeof(std::uint64_t);
+}
+
+std::uint64_t blockBytes(const BlockEntry& entry) {
+    return headBytes(entry) + std::uint64_t{entry.vertexCount} * sizeof(TileVertex) +
+           std::uint64_t{entry.quadCount} * sizeof(TileQuad) + std::uint64_t{entry.facetCount} * sizeof(TileFacet) +
+           std::uint64_t{entry.texelCount} * sizeof(TileTexel);
 }
 
 std::uint64_t aligned(std::uint64_t offset) {
@@ -67,10 +75,14 @@ std::uint64_t aligned(std::uint64_t offset) {
 
 /// The arrays one after another behind `room` bytes for a head. All sizes are multiples of 8, and so are the
 /// places.
-std::vector<std::byte> blockOf(const TileSet& set, std::size_t room = 0) {
-    const std::array parts{std::as_bytes(std::span(set.tiles)),    std::as_bytes(std::span(set.coarser)),
-                           std::as_bytes(std::span(set.vertices)), std::as_bytes(std::span(set.quads)),
-                           std::as_bytes(std::span(set.facets)),   std::as_bytes(std::span(set.texels))};
+std::vector<std::byte> blockOf(const TileSet& set, std::span<const std::uint64_t> chunkSums, std::size_t room) {
+    const std::array parts{std::as_bytes(std::span(set.tiles)),
+                           std::as_bytes(std::span(set.coarser)),
+                           std::as_bytes(chunkSums),
+                           std::as_bytes(std::span(set.vertices)),
+                           std::as_bytes(std::span(set.quads)),
+                           std::as_bytes(std::span(set.facets)),
+                           std::as_bytes(std::span(set.texels))};
     std::size_t size = room;
     for (const auto& part : parts)
         size += part.size();
@@ -81,7 +93,7 @@ std::vector<std::byte> blockOf(const TileSet& set, std::size_t room = 0) {
     return bytes;
 }
 
-BlockEntry entryOf(const TileSet& set, std::uint64_t offset, std::span<const std::byte> block) {
+BlockEntry entryOf(const TileSet& set, std::uint64_t offset, std::size_t chunks, std::span<const std::byte> checked) {
     return {offset,
             static_cast<std::uint32_t>(set.tiles.size()),
             static_cast<std::uint32_t>(set.coarser.size()),
@@ -89,10 +101,13 @@ BlockEntry entryOf(const TileSet& set, std::uint64_t offset, std::span<const std
             static_cast<std::uint32_t>(set.quads.size()),
             static_cast<std::uint32_t>(set.facets.size()),
             static_cast<std::uint32_t>(set.texels.size()),
-            checksumOf(block)};
+            static_cast<std::uint32_t>(chunks),
+            0,
+            checksumOf(checked)};
 }
 
-/// Throws unless every index in a tile stays inside its block and every number is finite.
+/// Throws unless every index of a tile stays inside its block and every number is finite. What it holds is checked
+/// with its chunk.
 void checkTile(const TileBlock& block, const Tile& tile, const Camera& camera, const std::string& where) {
     const auto require = [&](bool holds, const char* what) {
         if (!holds) throw Failure(std::string("has a tile with ") + what, where, kRemedy);
@@ -112,20 +127,9 @@ void checkTile(const TileBlock& block, const Tile& tile, const Camera& camera, c
                 std::uint64_t{tile.firstFacet} + tile.facetCount <= block.facets.size() &&
                 std::uint64_t{tile.firstTexel} + texelCountOf(tile) <= block.texels.size(),
             "counts beyond its block");
-    for (const TileQuad& quad : block.quads.subspan(tile.firstQuad, tile.quadCount))
-        for (const std::uint32_t pair : {quad.top, quad.bottom})
-            require((pair & kQuadIndexMask) < tile.vertexCount && (pair >> 16 & kQuadIndexMask) < tile.vertexCount,
-                    "a square beyond its vertices");
-    for (const TileFacet& facet : block.facets.subspan(tile.firstFacet, tile.facetCount)) {
-        const std::uint32_t side = 1u << (facet.mark >> 12 & 7u);
-        require((facet.mark & 63u) + side <= tile.width && (facet.mark >> 6 & 63u) + side <= tile.height,
-                "a facet beyond its texels");
-        require(std::isfinite(facet.q) && std::isfinite(facet.perX) && std::isfinite(facet.perY),
-                "a facet that is no plane");
-    }
 }
 
-/// Throws unless a renderer may trust the block blindly.
+/// Throws unless the heads of the tiles may be trusted blindly.
 void checkBlock(const TileBlock& block, const std::string& where) {
     for (const Tile& tile : block.tiles) {
         if (tile.level != 0) throw Failure("has a tile of a wrong level", where, kRemedy);
@@ -138,6 +142,7 @@ void checkBlock(const TileBlock& block, const std::string& where) {
         level = tile.level;
         checkTile(block, tile, cameraAtLevel(block.camera, level), where);
     }
+    if (chunksOf(block).size() != block.chunkSums.size()) throw Failure("has a wrong number of chunks", where, kRemedy);
 }
 
 TileBlock lendBlock(std::span<const std::byte> bytes, const BlockEntry& entry, const Camera& camera,
@@ -147,8 +152,9 @@ TileBlock lendBlock(std::span<const std::byte> bytes, const BlockEntry& entry, c
         part = {reinterpret_cast<const T*>(at), count};
         at += count * sizeof(T);
     };
-    TileBlock block{camera, worldFromCamera, {}, {}, {}, {}, {}, {}};
+    TileBlock block{camera, worldFromCamera, {}, {}, {}, {}, {}, {}, {}};
     next(block.tiles, entry.tileCount), next(block.coarser, entry.coarserCount);
+    next(block.chunkSums, entry.chunkCount);
     next(block.vertices, entry.vertexCount), next(block.quads, entry.quadCount);
     next(block.facets, entry.facetCount), next(block.texels, entry.texelCount);
     return block;
@@ -233,8 +239,8 @@ bool readManifest(Scene& scene, const std::filesystem::path& path) {
 
 std::vector<std::byte> packTiles(const TileSet& tiles) {
     BlockEntry entry;
-    std::vector<std::byte> packed = blockOf(tiles, sizeof entry);
-    entry = entryOf(tiles, 0, std::span(packed).subspan(sizeof entry));
+    std::vector<std::byte> packed = blockOf(tiles, {}, sizeof entry);
+    entry = entryOf(tiles, 0, 0, std::span(packed).subspan(sizeof entry));
     std::memcpy(packed.data(), &entry, sizeof entry);
     return packed;
 }
@@ -244,7 +250,7 @@ TileSet unpackTiles(std::span<const std::byte> packed, const std::string& where)
     if (packed.size() < sizeof entry) throw Failure("is cut off", where, kRemedy);
     std::memcpy(&entry, packed.data(), sizeof entry);
     const std::span<const std::byte> bytes = packed.subspan(sizeof entry);
-    if (blockBytes(entry) != bytes.size() || checksumOf(bytes) != entry.checksum)
+    if (entry.chunkCount != 0 || blockBytes(entry) != bytes.size() || checksumOf(bytes) != entry.checksum)
         throw Failure("is damaged", where, kRemedy);
     TileSet set;
     set.tiles.resize(entry.tileCount), set.coarser.resize(entry.coarserCount);
@@ -273,8 +279,13 @@ void writeTilesFile(const std::filesystem::path& path, std::size_t blockCount,
     put(zeros);
     for (std::size_t i = 0; i < blockCount; ++i) {
         const TileSet set = tilesOf(i);
-        const std::vector<std::byte> block = blockOf(set);
-        table[i] = entryOf(set, offset, block);
+        const TileBlock lent = lend(set, {}, {});
+        std::vector<std::uint64_t> chunkSums;
+        for (const TileChunk& chunk : chunksOf(lent))
+            chunkSums.push_back(checksumOf(lent, chunk));
+        const std::vector<std::byte> block = blockOf(set, chunkSums, 0);
+        table[i] = entryOf(set, offset, chunkSums.size(), {});
+        table[i].checksum = checksumOf(std::span(block).first(headBytes(table[i])));
         put(block);
         offset += block.size();
         put(std::span(zeros).first(aligned(offset) - offset));
@@ -309,7 +320,7 @@ Scene openScene(const std::filesystem::path& folder) {
         const BlockEntry& entry = table[i];
         const std::span<const std::byte> bytes = file.subspan(entry.offset, blockBytes(entry));
         const std::string where = atByte(tilesPath, entry.offset);
-        if (checksumOf(bytes) != entry.checksum)
+        if (checksumOf(bytes.first(headBytes(entry))) != entry.checksum)
             throw Failure("has a damaged block (" + scene.images[i].name + ")", where, kRemedy);
         scene.blocks[i] = lendBlock(bytes, entry, scene.images[i].camera, scene.images[i].worldFromCamera);
         checkBlock(scene.blocks[i], where);

@@ -9,13 +9,16 @@
 //   tiles.bin       what is drawn, GPU-ready:
 //
 //     offset 0    FileHeader: magic "RVTILES" 0, version, byte order mark, number of blocks, file size, checksum of the
-//     header offset 64   BlockEntry for each image: offset, counts, checksum of the block; then the checksum of the
-//     table from there  blocks, each on a multiple of 64: Tile[], Tile[] of coarser levels, TileVertex[], TileQuad[],
-//                 TileFacet[], TileTexel[] (scene/tile.h), zero bytes
-//     between
+//                 header
+//     offset 64   BlockEntry for each image: offset, counts, checksum of the block's head; then the checksum of the
+//                 table
+//     from there  blocks, each on a multiple of 64, zero bytes between: the head is Tile[], Tile[] of coarser levels
+//     and
+//                 a checksum for each chunk (scene/tile_chunks.h); then TileVertex[], TileQuad[], TileFacet[],
+//                 TileTexel[] (scene/tile.h)
 //
-// Little-endian. Checksums are XXH3-64. Every block is checked before it is believed: checksum, counts, and every index
-// in it.
+// Little-endian. Checksums are XXH3-64. Heads are checked when the scene is opened (checksums, counts, every index in
+// them), what the tiles hold when it is first needed: a scene may be larger than memory, and opens at once.
 
 #include "scene/scene.h"
 

@@ -132,10 +132,12 @@ struct TileBlock {
     std::span<const TileQuad> quads;
     std::span<const TileFacet> facets;
     std::span<const TileTexel> texels;
+    /// By chunk (scene/tile_chunks.h), where what the tiles hold is yet to be checked when it is first needed.
+    std::span<const std::uint64_t> chunkSums;
 };
 
 inline TileBlock lend(const TileSet& set, const Camera& camera, const Pose& worldFromCamera) {
-    return {camera, worldFromCamera, set.tiles, set.coarser, set.vertices, set.quads, set.facets, set.texels};
+    return {camera, worldFromCamera, set.tiles, set.coarser, set.vertices, set.quads, set.facets, set.texels, {}};
 }
 
 /// Cuts an image into tiles of tileSize x tileSize samples (1 to kMaxTileSize). A sample is kept if it is drawable and

@@ -8,6 +8,7 @@ revisit_test(revisit_render_tests LABELS gpu LINKS revisit_render_scenes TBB::tb
         render/blend_test.cpp
         render/device_test.cpp
         render/draw_list_test.cpp
+        render/stream_test.cpp
         render/edge_cases_test.cpp
         render/extremes_test.cpp
         render/hole_fill_test.cpp

@@ -196,8 +196,8 @@ void eyesAtOnceAgainstInTurn(benchmark::State& state) {
         for (std::size_t k = 0; k < eye.sources.size(); ++k)
             eye.planes.push_back(planesOf(eye.sources[k].eyeImageFromSource, 640, 480, 3, scene.images()[k].extent));
         cull(scene.bounds(), scene.pieces(), eye.planes, eye.visible);
-        buildDrawList(scene.tiles(), scene.bounds(), scene.pieces(), eye.sources, eye.visible, {},
-                      eye.target.draws[0].as<TileDraw>(), eye.list);
+        buildDrawList(scene.index(), scene.places(), eye.sources, eye.visible, {}, eye.target.draws[0].as<TileDraw>(),
+                      eye.list);
         const VkCommandBuffer commands = streams.begin(0, static_cast<int>(i));
         recordWarp(commands, warps, scene, eye.target.sets[0], eye.list.runs, 640, 480);
         vkEndCommandBuffer(commands);

@@ -11,9 +11,8 @@ namespace render {
 namespace {
 
 struct Many {
-    std::vector<ResidentTile> tiles;
-    TileBounds bounds;
-    std::vector<TilePiece> pieces;
+    SceneIndex scene;
+    std::vector<ChunkPlace> places; ///< a tile to a chunk
     std::vector<SourceView> sources{1};
     VisibleTiles visible;
 };
@@ -30,27 +29,28 @@ Many manyTiles(std::uint32_t count) {
         tile.x0 = static_cast<int>(random() % 1900), tile.y0 = static_cast<int>(random() % 1900),
         tile.width = tile.height = 32;
         tile.minDisparity = static_cast<float>(random() % 1000) / 500, tile.maxDisparity = tile.minDisparity + 0.1f;
-        many.bounds.append(tile, camera);
+        many.scene.bounds.append(tile, camera);
         ResidentTile resident;
-        resident.page = i / 700;
+        resident.chunk = i;
+        many.places.push_back({i / 700, 2 * i});
         resident.pointCount = i % 3 == 1 ? 0 : 10 + i % 7, resident.quadCount = 5;
         resident.x0 = tile.x0, resident.y0 = tile.y0;
         resident.minDisparity = tile.minDisparity, resident.maxDisparity = tile.maxDisparity;
         resident.middle = scene::middleOf(tile, camera, {});
-        many.tiles.push_back(resident);
+        many.scene.tiles.push_back(resident);
         many.visible.slots.push_back(i);
     }
     for (std::uint32_t first = 0; first < count; first += 100) {
-        many.pieces.push_back({0, first, std::min(100u, count - first)});
-        many.visible.counts.push_back(many.pieces.back().count);
+        many.scene.pieces.push_back({0, first, std::min(100u, count - first)});
+        many.visible.counts.push_back(many.scene.pieces.back().count);
     }
     return many;
 }
 
 DrawList listOf(const Many& many, const Quality& quality, std::vector<TileDraw>& draws) {
     DrawList list;
-    draws.assign(many.tiles.size(), {});
-    buildDrawList(many.tiles, many.bounds, many.pieces, many.sources, many.visible, quality, draws, list);
+    draws.assign(many.scene.tiles.size(), {});
+    buildDrawList(many.scene, many.places, many.sources, many.visible, quality, draws, list);
     return list;
 }
 
@@ -99,9 +99,19 @@ TEST(DrawList, FootprintsStayWithinTheirLimit) {
     }
 }
 
+TEST(DrawList, CountsFromWhereAChunkLiesAndLeavesOutWhatIsNotThere) {
+    Many many = manyTiles(300);
+    std::vector<TileDraw> draws;
+    const std::uint32_t all = listOf(many, {}, draws).tiles;
+    EXPECT_EQ(draws[1].span.y, 4u) << "the third tile, the second having no samples";
+    many.places[0] = many.places[2] = many.places[1] = {};
+    EXPECT_EQ(listOf(many, {}, draws).tiles, all - 2);
+    EXPECT_EQ(draws[0].span.y, 6u);
+}
+
 TEST(DrawList, OfNothingIsEmpty) {
     DrawList list;
-    buildDrawList({}, {}, {}, {}, {}, {}, {}, list);
+    buildDrawList({}, {}, {}, {}, {}, {}, list);
     EXPECT_EQ(list.tiles, 0u);
     EXPECT_TRUE(list.runs.empty());
 }

@@ -1,6 +1,7 @@
 #include "scene/scene_file.h"
 
 #include "scene/errors.h"
+#include "scene/tile_chunks.h"
 #include "tests/scene/scratch_folder.h"
 
 #include <algorithm>
@@ -21,9 +22,9 @@ namespace {
 using nlohmann::json;
 
 // The layout as the head of scene_file.h has it; written once more, so that a change of it is noticed.
-constexpr std::size_t kHeaderBytes = 64, kHeaderChecked = 56, kEntryBytes = 40, kVersionAt = 8, kBlockCountAt = 16;
+constexpr std::size_t kHeaderBytes = 64, kHeaderChecked = 56, kEntryBytes = 48, kVersionAt = 8, kBlockCountAt = 16;
 constexpr std::size_t kEntryTilesAt = 8, kEntryCoarserAt = 12, kEntryVerticesAt = 16, kEntryQuadsAt = 20,
-                      kEntryFacetsAt = 24, kEntryTexelsAt = 28, kEntryChecksumAt = 32;
+                      kEntryFacetsAt = 24, kEntryTexelsAt = 28, kEntryChunksAt = 32, kEntryChecksumAt = 40;
 
 /// A slope with a hole and a redundant corner; `step` makes one unlike the other.
 DepthImage drawImage(const std::string& name, float step) {
@@ -99,10 +100,17 @@ class SceneFile : public testing::Test {
         return same;
     }
 
-    /// What openScene says of these bytes; empty if it opens them.
+    /// What openScene says of these bytes, or SoundTiles of what the tiles hold; empty if both are content.
     std::string failureWithTiles(const std::string& bytes) const {
         writeFile(tilesPath(), bytes);
-        return failureOf<Failure>([&] { openScene(folder()); });
+        return failureOf<Failure>([&] {
+            const Scene scene = openScene(folder());
+            for (const TileBlock& block : scene.blocks) {
+                SoundTiles sound(block);
+                for (std::size_t i = 0; i < block.tiles.size() + block.coarser.size(); ++i)
+                    if (!sound.isSound(i)) throw Failure("is not sound", tilesPath(), "");
+            }
+        });
     }
     std::string failureWithManifest(const std::string& text) const {
         writeFile(folder() / "scene.json", text);
@@ -120,8 +128,7 @@ class SceneFile : public testing::Test {
             const std::size_t entry = kHeaderBytes + i * kEntryBytes;
             const TileSet& set = sets_[i];
             const std::size_t size = (set.tiles.size() + set.coarser.size()) * sizeof(Tile) +
-                                     set.vertices.size() * sizeof(TileVertex) + set.quads.size() * sizeof(TileQuad) +
-                                     set.facets.size() * sizeof(TileFacet) + set.texels.size() * sizeof(TileTexel);
+                                     valueAt<std::uint32_t>(tiles_, entry + kEntryChunksAt) * sizeof(std::uint64_t);
             setValue(bytes, entry + kEntryChecksumAt, XXH3_64bits(bytes.data() + blockAt(i), size));
         }
         setValue(bytes, tableEnd(), XXH3_64bits(bytes.data() + kHeaderBytes, tableEnd() - kHeaderBytes));
@@ -235,14 +242,14 @@ TEST_F(SceneFile, ImpossibleCountsWithRightChecksumsAreRefused) {
         EXPECT_NE(failure.find(cause), std::string::npos) << "at " << at << ": " << failure;
     };
     constexpr auto kMost32 = std::numeric_limits<std::uint32_t>::max();
-    refused(kVersionAt, std::uint32_t{2}, "version 2");
+    refused(kVersionAt, std::uint32_t{3}, "version 3");
     for (const std::uint64_t count : {std::uint64_t{1}, std::uint64_t{3}, std::uint64_t{1} << 59, ~std::uint64_t{0}})
         refused(kBlockCountAt, count, "blocks but scene.json lists 2");
     for (const std::size_t entry : {kHeaderBytes, kHeaderBytes + kEntryBytes}) {
         for (const std::uint64_t offset : {std::uint64_t{64} << 40, ~std::uint64_t{63}, std::uint64_t{1}})
             refused(entry, offset, "beyond its end");
-        for (const std::size_t at :
-             {kEntryTilesAt, kEntryCoarserAt, kEntryVerticesAt, kEntryQuadsAt, kEntryFacetsAt, kEntryTexelsAt})
+        for (const std::size_t at : {kEntryTilesAt, kEntryCoarserAt, kEntryVerticesAt, kEntryQuadsAt, kEntryFacetsAt,
+                                     kEntryTexelsAt, kEntryChunksAt})
             refused(entry + at, kMost32, "beyond its end");
     }
 }
@@ -274,7 +281,7 @@ TEST_F(SceneFile, ImpossibleTilesWithRightChecksumsAreRefused) {
     refused("beyond its block", at(&Tile::pointCount, kMost32));
     refused("beyond its block", at(&Tile::firstQuad, kMost32));
     refused("beyond its block", at(&Tile::quadCount, kMost32));
-    refused("beyond its vertices", [](Tile& tile) { tile.vertexCount = tile.pointCount = 0; });
+    refused("not sound", [](Tile& tile) { tile.vertexCount = tile.pointCount = 0; });
 }
 
 TEST_F(SceneFile, AnyFlippedBitOfTheManifestIsRefusedOrStillAScene) {

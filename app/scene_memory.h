@@ -1,0 +1,30 @@
+#pragma once
+// What a scene may take while it is drawn, and what was found damaged of it.
+
+#include "app/draw_options.h"
+
+#include "render/gpu_scene.h"
+#include "scene/scene.h"
+
+#include <set>
+#include <string>
+#include <vector>
+
+namespace app {
+
+/// All of --memory is for what the tiles hold; what of the file lies in the system's cache can be taken back at any
+/// time.
+render::SceneMemory memoryFor(const DrawOptions& options);
+
+/// Tells of damaged tiles, once for each image.
+class DamageTeller {
+  public:
+    /// A sentence for each image of which chunks have been found damaged since, that was not told of before.
+    std::vector<std::string> news(render::GpuScene& gpuScene, const scene::Scene& scene);
+    std::size_t chunks() const { return chunks_.size(); } ///< found damaged so far
+
+  private:
+    std::set<std::uint32_t> told_, chunks_; ///< a device made anew finds them again
+};
+
+} // namespace app

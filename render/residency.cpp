@@ -1,0 +1,116 @@
+#include "render/residency.h"
+
+#include <glm/geometric.hpp>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace render {
+
+namespace {
+
+constexpr double kInView = 8;         ///< how much more a chunk is wanted that is looked at
+constexpr double kTurnRadians = 0.35; ///< so far beyond the edge counts as looked at: heads turn
+constexpr double kWidest = 64;        ///< pixels: wider, nobody can tell more
+
+/// Half the angle that an eye's picture spans, corner to corner, from the direction of its axis.
+double reachOfView(const scene::Camera& camera) {
+    const double x = std::max(camera.cx, camera.width - camera.cx) / camera.fx,
+                 y = std::max(camera.cy, camera.height - camera.cy) / camera.fy;
+    return std::atan(std::hypot(x, y));
+}
+
+double wantOf(const SceneIndex& index, const IndexedChunk& chunk, const scene::View& eye, const Quality& quality) {
+    const ResidentImage& image = index.images[index.tiles[chunk.firstTile].image];
+    const glm::dvec3 eyeInWorld = eye.worldFromEye.translation;
+    if (chunk.chunk.tier != scene::Tier::base) {
+        scene::PreferenceOptions near = quality.preference;
+        if (quality.isBlended)
+            near.nearBaseline = std::max(near.nearBaseline, static_cast<float>(quality.blend.baseline));
+        if (!scene::mayBeNear(glm::length(eyeInWorld - image.worldFromCamera.translation), chunk.reach, near)) return 0;
+    }
+    const double focal = std::sqrt(eye.camera.fx * eye.camera.fy);
+    double pixels = chunk.spacing * focal;
+    bool isInView = true;
+    if (std::isfinite(chunk.radius)) {
+        const glm::dvec3 toCentre = chunk.centre - eyeInWorld;
+        const double distance = glm::length(toCentre);
+        if (distance > chunk.radius) {
+            pixels /= distance - chunk.radius;
+            const double half = std::asin(chunk.radius / distance);
+            const double turn =
+                std::acos(std::clamp(glm::dot(toCentre, eye.worldFromEye.rotation[2]) / distance, -1.0, 1.0));
+            isInView = turn - half <= reachOfView(eye.camera) + kTurnRadians;
+        } else {
+            pixels = kWidest;
+        }
+    }
+    if (image.hasCoarser && 2 * pixels < quality.samplePixels) return 0; // the coarser level suffices
+    return std::clamp(pixels, 1e-12, kWidest) * (isInView ? kInView : 1);
+}
+
+} // namespace
+
+CoarserChunks coarserChunksOf(const SceneIndex& index) {
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs; // finer, coarser
+    for (std::uint32_t i = 0; i < index.tiles.size(); ++i)
+        for (const std::uint32_t finer : index.finerThan(i))
+            pairs.emplace_back(finer, index.tiles[i].chunk);
+    std::sort(pairs.begin(), pairs.end());
+    pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+    CoarserChunks found;
+    found.first.assign(1, 0);
+    std::size_t next = 0;
+    for (std::uint32_t i = 0; i < index.chunks.size(); ++i) {
+        for (; next < pairs.size() && pairs[next].first == i; ++next)
+            found.coarser.push_back(pairs[next].second);
+        found.first.push_back(static_cast<std::uint32_t>(found.coarser.size()));
+    }
+    return found;
+}
+
+std::vector<std::uint32_t> chunksToKeep(const SceneIndex& index, std::size_t budgetBytes) {
+    std::vector<std::uint8_t> coarsest(index.capturedImages, 0);
+    for (const ResidentImage& image : index.images)
+        coarsest[image.captured] = std::max(coarsest[image.captured], static_cast<std::uint8_t>(image.level));
+    const auto isKept = [&](const IndexedChunk& chunk, int finest) {
+        return chunk.chunk.tier != scene::Tier::directional &&
+               chunk.chunk.level >= std::min<int>(finest, coarsest[chunk.captured]);
+    };
+    const auto bytesOf = [&](int finest) {
+        std::size_t bytes = 0;
+        for (const IndexedChunk& chunk : index.chunks)
+            bytes += isKept(chunk, finest) ? chunk.chunk.bytes() : 0;
+        return bytes;
+    };
+    int finest = scene::kMaxLevels;
+    while (finest > 0 && static_cast<double>(bytesOf(finest - 1)) <= kKeptShare * static_cast<double>(budgetBytes))
+        --finest;
+    std::vector<std::uint32_t> kept;
+    for (std::uint32_t i = 0; i < index.chunks.size(); ++i)
+        if (isKept(index.chunks[i], finest)) kept.push_back(i);
+    return kept;
+}
+
+std::vector<std::uint32_t> chunksWanted(const SceneIndex& index, const CoarserChunks& coarser,
+                                        std::span<const scene::View> eyes, const Quality& quality) {
+    std::vector<double> wants(index.chunks.size(), 0.0);
+    tbb::parallel_for(std::size_t{0}, wants.size(), [&](std::size_t i) {
+        for (const scene::View& eye : eyes)
+            wants[i] = std::max(wants[i], wantOf(index, index.chunks[i], eye, quality));
+    });
+    // Chunks of a block ascend by level, so that what stands for a chunk comes later.
+    for (std::uint32_t i = 0; i < wants.size(); ++i)
+        for (const std::uint32_t standIn : coarser.of(i))
+            wants[standIn] = std::max(wants[standIn], wants[i] * (1 + 1e-9));
+    std::vector<std::uint32_t> wanted;
+    for (std::uint32_t i = 0; i < wants.size(); ++i)
+        if (wants[i] > 0) wanted.push_back(i);
+    std::stable_sort(wanted.begin(), wanted.end(),
+                     [&](std::uint32_t a, std::uint32_t b) { return wants[a] > wants[b]; });
+    return wanted;
+}
+
+} // namespace render

@@ -1,0 +1,54 @@
+#pragma once
+// Memory on the device for what tiles hold, in pages that shaders see.
+
+#include "render/pipeline.h"
+#include "render/resources.h"
+#include "render/scene_index.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+namespace render {
+
+class TilePool {
+  public:
+    /// A page of so many texels each. Throws scene::Failure if the device's memory does not suffice.
+    TilePool(const Device& device, std::span<const std::uint32_t> texelsOfPages);
+
+    std::size_t pageCount() const { return pages_.size(); }
+    std::uint32_t texelsOf(std::size_t page) const { return pages_[page].texels; }
+    std::size_t bytes() const { return bytes_; }
+
+    /// Bindings 0: vertices, 1: quads, 2: facets (two texels each), 3: what they are textured with. All are the page:
+    /// a chunk's parts lie side by side in it.
+    VkDescriptorSetLayout layout() const { return layout_; }
+    VkDescriptorSet setOf(std::size_t page) const { return pages_[page].set; }
+    VkBuffer bufferOf(std::size_t page) const { return pages_[page].buffer.handle(); }
+
+    /// Where a place is seen by the processor; null if it cannot see the device's memory.
+    std::byte* mapped(const ChunkPlace& place) const {
+        std::byte* const page = pages_[place.page].buffer.mapped();
+        return page != nullptr ? page + std::size_t{place.firstTexel} * kTexelBytes : nullptr;
+    }
+
+    /// Lets `write` fill the whole page (which starts undefined), and waits until the device has it.
+    void fill(const Device& device, std::size_t page, const std::function<void(std::byte*)>& write);
+
+  private:
+    struct Page {
+        Buffer buffer;
+        BufferView view;
+        VkDescriptorSet set = VK_NULL_HANDLE;
+        std::uint32_t texels = 0;
+    };
+    DescriptorSetLayout layout_;
+    DescriptorPool pool_;
+    std::vector<Page> pages_;
+    std::size_t bytes_ = 0;
+};
+
+} // namespace render

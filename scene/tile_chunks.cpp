@@ -1,0 +1,108 @@
+#include "scene/tile_chunks.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <memory>
+
+#include <xxhash.h>
+
+namespace scene {
+
+namespace {
+
+std::array<std::span<const std::byte>, 4> partsOf(const TileBlock& block, const TileChunk& chunk) {
+    return {std::as_bytes(block.facets.subspan(chunk.firstFacet, chunk.facetCount)),
+            std::as_bytes(block.vertices.subspan(chunk.firstVertex, chunk.vertexCount)),
+            std::as_bytes(block.quads.subspan(chunk.firstQuad, chunk.quadCount)),
+            std::as_bytes(block.texels.subspan(chunk.firstTexel, chunk.texelCount))};
+}
+
+bool isSound(const TileBlock& block, const Tile& tile) {
+    const auto isWithin = [&](std::uint32_t pair) {
+        return (pair & kQuadIndexMask) < tile.vertexCount && (pair >> 16 & kQuadIndexMask) < tile.vertexCount;
+    };
+    for (const TileQuad& quad : block.quads.subspan(tile.firstQuad, tile.quadCount))
+        if (!isWithin(quad.top) || !isWithin(quad.bottom)) return false;
+    for (const TileFacet& facet : block.facets.subspan(tile.firstFacet, tile.facetCount)) {
+        const std::uint32_t side = 1u << (facet.mark >> 12 & 7u);
+        if ((facet.mark & 63u) + side > tile.width || (facet.mark >> 6 & 63u) + side > tile.height) return false;
+        if (!std::isfinite(facet.q) || !std::isfinite(facet.perX) || !std::isfinite(facet.perY)) return false;
+    }
+    return true;
+}
+
+/// Facets and texels of a tile without facets stand nowhere.
+bool follows(const TileChunk& chunk, const TileChunk& next) {
+    const bool facetsFollow = chunk.facetCount == 0 || next.facetCount == 0 ||
+                              (next.firstFacet == chunk.firstFacet + chunk.facetCount &&
+                               next.firstTexel == chunk.firstTexel + chunk.texelCount);
+    return next.firstVertex == chunk.firstVertex + chunk.vertexCount &&
+           next.firstQuad == chunk.firstQuad + chunk.quadCount && facetsFollow;
+}
+
+} // namespace
+
+std::vector<TileChunk> chunksOf(const TileBlock& block, std::size_t maxBytes) {
+    std::vector<TileChunk> chunks;
+    const std::size_t count = block.tiles.size() + block.coarser.size();
+    for (std::size_t i = 0; i < count; ++i) {
+        const Tile& tile = tileOf(block, i);
+        TileChunk alone;
+        alone.firstTile = static_cast<std::uint32_t>(i), alone.tileCount = 1;
+        alone.firstVertex = tile.firstVertex, alone.vertexCount = tile.vertexCount;
+        alone.firstQuad = tile.firstQuad, alone.quadCount = tile.quadCount;
+        alone.firstFacet = tile.firstFacet, alone.facetCount = tile.facetCount;
+        alone.firstTexel = tile.firstTexel, alone.texelCount = texelCountOf(tile);
+        alone.tier = tile.tier, alone.level = tile.level;
+        if (!chunks.empty()) {
+            TileChunk& last = chunks.back();
+            if (last.tier == tile.tier && last.level == tile.level && last.bytes() + alone.bytes() <= maxBytes &&
+                follows(last, alone)) {
+                if (last.facetCount == 0) last.firstFacet = alone.firstFacet, last.firstTexel = alone.firstTexel;
+                ++last.tileCount;
+                last.vertexCount += alone.vertexCount, last.quadCount += alone.quadCount;
+                last.facetCount += alone.facetCount, last.texelCount += alone.texelCount;
+                continue;
+            }
+        }
+        chunks.push_back(alone);
+    }
+    return chunks;
+}
+
+std::uint64_t checksumOf(const TileBlock& block, const TileChunk& chunk) {
+    const std::unique_ptr<XXH3_state_t, XXH_errorcode (*)(XXH3_state_t*)> state(XXH3_createState(), XXH3_freeState);
+    XXH3_64bits_reset(state.get());
+    for (const std::span<const std::byte> part : partsOf(block, chunk))
+        XXH3_64bits_update(state.get(), part.data(), part.size());
+    return XXH3_64bits_digest(state.get());
+}
+
+bool isSound(const TileBlock& block, const TileChunk& chunk, std::size_t number) {
+    if (block.chunkSums.empty()) return true; // made in this process
+    if (checksumOf(block, chunk) != block.chunkSums[number]) return false;
+    for (std::uint32_t i = chunk.firstTile; i < chunk.firstTile + chunk.tileCount; ++i)
+        if (!isSound(block, tileOf(block, i))) return false;
+    return true;
+}
+
+bool SoundTiles::isSound(std::size_t tile) {
+    if (block_.chunkSums.empty()) return true;
+    if (chunks_.empty()) chunks_ = chunksOf(block_), verdicts_.assign(chunks_.size(), 0);
+    const auto after = std::upper_bound(chunks_.begin(), chunks_.end(), tile,
+                                        [](std::size_t t, const TileChunk& chunk) { return t < chunk.firstTile; });
+    const auto number = static_cast<std::size_t>(after - chunks_.begin()) - 1;
+    if (verdicts_[number] == 0) verdicts_[number] = scene::isSound(block_, chunks_[number], number) ? 1 : 2;
+    return verdicts_[number] == 1;
+}
+
+void copyChunk(const TileBlock& block, const TileChunk& chunk, std::byte* to) {
+    for (const std::span<const std::byte> part : partsOf(block, chunk)) {
+        if (!part.empty()) std::memcpy(to, part.data(), part.size());
+        to += part.size();
+    }
+}
+
+} // namespace scene
