@@ -1,5 +1,6 @@
 #include "app/render_scene.h"
 
+#include "app/device_trouble.h"
 #include "app/frame_pictures.h"
 #include "app/frame_report.h"
 #include "app/progress.h"
@@ -15,7 +16,10 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <memory>
 #include <optional>
+#include <span>
+#include <vector>
 
 namespace app {
 
@@ -41,6 +45,72 @@ std::vector<NamedView> listViews(const RenderOptions& o, const scene::Scene& sce
     return views;
 }
 
+/// The scene on a device, and a renderer of the pictures' size; made anew as a whole.
+class Canvas {
+  public:
+    Canvas(const scene::Scene& scene, bool showsUnseen, const render::SceneMemory& memory)
+        : scene_(scene), showsUnseen_(showsUnseen), memory_(memory) {
+        make();
+    }
+
+    void makeAnew() {
+        renderer_.reset();
+        coverage_.reset();
+        gpuScene_.reset();
+        device_.reset();
+        make();
+    }
+
+    render::Renderer& rendererFor(const scene::Camera& camera, int eyes) {
+        if (renderer_ && renderer_->width() == camera.width && renderer_->height() == camera.height) return *renderer_;
+        renderer_.reset();
+        const auto makeIt = [&] {
+            renderer_.emplace(*device_, *gpuScene_, camera.width, camera.height, eyes, coverage_.get());
+        };
+        try {
+            makeIt();
+        } catch (const render::OutOfMemory& failure) {
+            if (!coverage_) throw;
+            sayUnseenIsGivenUp(failure);
+            coverage_.reset();
+            makeIt();
+        }
+        return *renderer_;
+    }
+
+    const render::Device& device() const { return *device_; }
+    render::GpuScene& gpuScene() { return *gpuScene_; }
+    bool showsUnseen() const { return coverage_ != nullptr; }
+
+  private:
+    void make() {
+        device_ = std::make_unique<render::Device>();
+        sayPassedOver(*device_);
+        gpuScene_ = std::make_unique<render::GpuScene>(*device_, scene_.blocks, memory_);
+        if (showsUnseen_) coverage_ = makeCoverage(*device_, scene_);
+    }
+
+    const scene::Scene& scene_;
+    bool showsUnseen_;
+    render::SceneMemory memory_;
+    std::unique_ptr<render::Device> device_;
+    std::unique_ptr<render::GpuScene> gpuScene_;
+    std::unique_ptr<render::GpuCoverage> coverage_;
+    std::optional<render::Renderer> renderer_;
+};
+
+/// Draws and is drawn to the end: pictures of the eyes, and what they took.
+std::vector<render::EyeImage> drawOnce(render::Renderer& renderer, std::span<const scene::View> eyeViews,
+                                       const render::Quality& quality, FrameReport& report) {
+    const auto start = std::chrono::steady_clock::now();
+    renderer.draw(eyeViews, quality);
+    const render::FrameStats stats = renderer.finish();
+    const std::chrono::duration<double, std::milli> passed = std::chrono::steady_clock::now() - start;
+    std::vector<render::EyeImage> images = renderer.readBack();
+    report.add(stats, passed.count());
+    return images;
+}
+
 } // namespace
 
 void renderScene(const RenderOptions& options) {
@@ -48,12 +118,8 @@ void renderScene(const RenderOptions& options) {
     const std::vector<NamedView> views = listViews(options, scene);
     const int eyes = options.eyes > 0 ? options.eyes : options.path.empty() ? 1 : 2;
     const render::Quality quality = qualityOf(options.draw);
-    const render::Device device;
-    render::GpuScene gpuScene(device, scene.blocks, memoryFor(options.draw));
+    Canvas canvas(scene, quality.showUnseen, memoryFor(options.draw));
     DamageTeller damage;
-
-    std::optional<render::GpuCoverage> coverage;
-    if (scene.coverage && quality.showUnseen) coverage.emplace(device, *scene.coverage);
 
     std::error_code error;
     std::filesystem::create_directories(options.out, error);
@@ -62,31 +128,32 @@ void renderScene(const RenderOptions& options) {
                              "check that the folder may be written");
 
     FrameReport report;
-    std::optional<render::Renderer> renderer;
+    LossWatch losses;
+    GivenUp givenUp;
     scene::Camera drawn;
     Progress progress("render", views.size());
     for (const NamedView& view : views) {
-        if (!renderer || view.camera.width != drawn.width || view.camera.height != drawn.height) {
-            renderer.reset();
-            renderer.emplace(device, gpuScene, view.camera.width, view.camera.height, eyes,
-                             coverage ? &*coverage : nullptr);
-        }
         drawn = view.camera;
         std::vector<scene::View> eyeViews{{view.camera, view.worldFromCamera}};
         if (eyes == 2) {
             const auto [left, right] = scene::eyesOf(view.camera, view.worldFromCamera, options.draw.eyeDistanceMetres);
             eyeViews = {left, right};
         }
-        gpuScene.settle(eyeViews, quality);
-        for (const std::string& sentence : damage.news(gpuScene, scene))
-            std::fprintf(stderr, "revisit: %s\n", sentence.c_str());
-        const auto start = std::chrono::steady_clock::now();
-        renderer->draw(eyeViews, quality);
-        const render::FrameStats stats = renderer->finish();
-        const std::chrono::duration<double, std::milli> passed = std::chrono::steady_clock::now() - start;
-        report.add(stats, passed.count());
-
-        const std::vector<render::EyeImage> images = renderer->readBack();
+        std::vector<render::EyeImage> images;
+        while (images.empty()) {
+            const render::Quality given = without(quality, givenUp);
+            try {
+                canvas.gpuScene().settle(eyeViews, given);
+                for (const std::string& sentence : damage.news(canvas.gpuScene(), scene))
+                    std::fprintf(stderr, "revisit: %s\n", sentence.c_str());
+                images = drawOnce(canvas.rendererFor(view.camera, eyes), eyeViews, given, report);
+            } catch (const render::OutOfMemory& failure) {
+                if (!giveUpMore(given, failure, givenUp)) throw;
+            } catch (const render::DeviceLost& loss) {
+                losses.tell(loss);
+                canvas.makeAnew();
+            }
+        }
         for (std::size_t eye = 0; eye < images.size(); ++eye)
             writePictures(images[eye], options.out,
                           view.name + (eyes == 1  ? ""
@@ -100,11 +167,11 @@ void renderScene(const RenderOptions& options) {
                             {"height", drawn.height},
                             {"eyes", eyes},
                             {"ipd_m", options.draw.eyeDistanceMetres}};
-    settings.update(toJson(quality));
-    settings["shows_unseen"] = coverage.has_value();
+    settings.update(toJson(without(quality, givenUp)));
+    settings["shows_unseen"] = canvas.showsUnseen();
     settings["damaged_chunks"] = damage.chunks();
     writeWhole(options.out / "report.json",
-               report.summarise(device, gpuScene, settings)
+               report.summarise(canvas.device(), canvas.gpuScene(), settings)
                        .dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + // paths need not be UTF-8
                    "\n");
 }

@@ -21,11 +21,10 @@ class DamageTeller {
   public:
     /// A sentence for each image of which chunks have been found damaged since, that was not told of before.
     std::vector<std::string> news(render::GpuScene& gpuScene, const scene::Scene& scene);
-    std::size_t chunks() const { return chunks_; } ///< found damaged so far
+    std::size_t chunks() const { return chunks_.size(); } ///< found damaged so far
 
   private:
-    std::set<std::uint32_t> told_;
-    std::size_t chunks_ = 0;
+    std::set<std::uint32_t> told_, chunks_; ///< a device made anew finds them again
 };
 
 } // namespace app

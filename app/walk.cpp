@@ -12,7 +12,6 @@
 #include <algorithm>
 #include <csignal>
 #include <cstdio>
-#include <thread>
 #include <utility>
 
 #include <glm/geometric.hpp>
@@ -30,11 +29,6 @@ constexpr int kPatientFrames = 600;
 
 /// Images from nearer to each other than this are from one place, metres.
 constexpr double kSamePlace = 1e-3;
-
-/// How often a headset that is not there is looked for: OpenXR has no event for a runtime that appears.
-constexpr std::chrono::milliseconds kLookAgain{500};
-/// Beside a walk at the desk: a runtime that cannot be reached may have much to say about it each time.
-constexpr std::chrono::milliseconds kLookAgainAtDesk{2000};
 
 /// The head's pose along a path file.
 xr::Headless::Path pathOf(const std::filesystem::path& file, const scene::Pose& walkFromWorld) {
@@ -126,113 +120,30 @@ void Walk::say(const std::string& notice) {
     facts_.notice = notice;
 }
 
-WalkStage Walk::firstStage() {
-    if (options_.isHeadless) return WalkStage::headless(scene_, path_, options_);
-    if (options_.isAtDesk) return WalkStage::atDesk(scene_, deskSide_->desktop, memoryFor(options_.draw));
-    try {
-        return WalkStage::inHeadset(scene_, std::make_unique<xr::Runtime>(), memoryFor(options_.draw));
-    } catch (const std::exception& e) {
-        if (deskSide_ == nullptr) throw;
-        say("no headset yet: " + std::string(e.what()));
-        return WalkStage::atDesk(scene_, deskSide_->desktop, memoryFor(options_.draw));
-    }
-}
-
-void Walk::run() {
-    std::optional<WalkStage> stage(firstStage());
-    while (true) {
-        say("walking: " + stage->name() + ", on " + stage->device().name());
-        if (const std::string refusal = stage->askForRate(options_.framesPerSecond); !refusal.empty()) say(refusal);
-        facts_.display = stage->name() + ", drawn on " + stage->device().name();
-        const Outcome outcome = walkOn(*stage);
-        lastReport_ = reportOf(*stage);
-        if (!change(outcome, stage)) break;
-    }
-    record_.write(lastReport_);
-}
-
-bool Walk::change(Outcome outcome, std::optional<WalkStage>& stage) {
-    if (outcome == Outcome::over) return false;
-    const bool isAlone = deskSide_ == nullptr;
-    if (outcome == Outcome::headsetGone) {
-        say(isAlone ? "the headset is gone; looking for it (Ctrl-C ends the walk)"
-                    : "the headset is gone; walking on at the desk until it is back");
-        stage.reset();
-        if (isAlone) return waitForHeadset(stage);
-        stage.emplace(WalkStage::atDesk(scene_, deskSide_->desktop, memoryFor(options_.draw)));
-        return true;
-    }
-    stage.reset();
-    try {
-        stage.emplace(WalkStage::inHeadset(scene_, std::move(found_), memoryFor(options_.draw)));
-    } catch (const std::exception&) {
-        // It went away again at once.
-        stage.emplace(WalkStage::atDesk(scene_, deskSide_->desktop, memoryFor(options_.draw)));
-    }
-    return true;
-}
-
-bool Walk::waitForHeadset(std::optional<WalkStage>& stage) {
-    while (!isAskedToEnd()) {
-        try {
-            stage.emplace(WalkStage::inHeadset(scene_, std::make_unique<xr::Runtime>(), memoryFor(options_.draw)));
-            return true;
-        } catch (const std::exception&) {
-            std::this_thread::sleep_for(kLookAgain);
-        }
-    }
-    return false;
-}
-
-bool Walk::seekHeadset() {
-    const auto now = std::chrono::steady_clock::now();
-    if (!sought_.valid()) {
-        if (now - soughtAt_ < kLookAgainAtDesk) return false;
-        soughtAt_ = now;
-        sought_ = std::async(std::launch::async, []() -> std::unique_ptr<xr::Runtime> {
-            try {
-                return std::make_unique<xr::Runtime>();
-            } catch (const std::exception&) {
-                return nullptr; // none yet
-            }
-        });
-    }
-    if (sought_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return false;
-    found_ = sought_.get();
-    return found_ != nullptr;
-}
-
-Walk::Outcome Walk::walkOn(WalkStage& stage) {
-    const bool seeks = stage.headset() == nullptr && !options_.isHeadless && !options_.isAtDesk;
-    bool hasAskedToEnd = false;
-    while (true) {
-        const bool isOver = isAskedToEnd();
-        if (isOver && !hasAskedToEnd) {
-            hasAskedToEnd = true;
-            if (!stage.requestEnd()) return Outcome::over;
-        }
-        if (seeks && seekHeadset()) return Outcome::headsetThere;
-        const xr::Frame frame = stage.source().begin();
-        if (frame.kind == xr::Frame::Kind::lost) return isOver ? Outcome::over : Outcome::headsetGone;
-        if (frame.kind == xr::Frame::Kind::end) return Outcome::over;
-        if (frame.kind == xr::Frame::Kind::draw) {
-            drawFrame(stage, stage.source(), frame);
-        } else if (deskSide_ != nullptr && !stage.headset()->isRunning()) {
-            // Nobody wears it: whoever sits at the desk goes on.
-            const xr::Frame atDesk = deskSide_->desktop.begin();
-            if (atDesk.kind == xr::Frame::Kind::draw) drawFrame(stage, deskSide_->desktop, atDesk);
-        }
-    }
-}
-
 void Walk::drawFrame(WalkStage& stage, xr::ViewSource& source, const xr::Frame& frame) {
     const auto start = std::chrono::steady_clock::now();
-    draw(stage, source, frame);
+    advance(stage, source, frame);
+    drawSomehow(stage, source, frame);
     source.end(frame);
     if (governed_) governed_->tell(stats_, stage.device().isProcessor());
     const std::chrono::duration<double, std::milli> passed = std::chrono::steady_clock::now() - start;
     report_.add(stats_, passed.count());
     ++frame_;
+}
+
+void Walk::drawSomehow(WalkStage& stage, xr::ViewSource& source, const xr::Frame& frame) {
+    while (true) {
+        try {
+            return draw(stage, source, frame);
+        } catch (const render::OutOfMemory& failure) {
+            if (!giveUpMore(drawn_, failure, givenUp_)) throw;
+        } catch (const render::DeviceLost& loss) {
+            // A headset's session ends with its device, and takes this frame along.
+            if (stage.headset() != nullptr) throw;
+            losses_.tell(loss);
+            stage.remakeDevice(scene_, memoryFor(options_.draw));
+        }
+    }
 }
 
 input::Wants Walk::hearWants(WalkStage& stage, const xr::ViewSource& source, const xr::Frame& frame) {
@@ -390,7 +301,7 @@ void Walk::fillOverlay(const xr::ViewSource& source) {
         if (hand.isTracked) addController(overlay_, worldFromWalk_ * locomotion_.rig.toWalk(hand.trackingFromAim), 0);
 }
 
-void Walk::draw(WalkStage& stage, xr::ViewSource& source, const xr::Frame& frame) {
+void Walk::advance(WalkStage& stage, const xr::ViewSource& source, const xr::Frame& frame) {
     if (deskSide_ != nullptr) knobs_ = deskSide_->desk.knobs();
     if (frame.isTracked != wasTracked_)
         say(frame.isTracked ? "the head is tracked again" : "the head is not tracked; its last place is kept");
@@ -407,7 +318,10 @@ void Walk::draw(WalkStage& stage, xr::ViewSource& source, const xr::Frame& frame
     // Where this frame's steps have led, too.
     if (std::exchange(startsHere_, false)) startHere();
     record_.addPose(seconds_, walkFromHead, rig);
+}
 
+void Walk::draw(WalkStage& stage, xr::ViewSource& source, const xr::Frame& frame) {
+    const input::Rig& rig = locomotion_.rig;
     render::Renderer& renderer = stage.rendererFor(source);
     const auto eyes = static_cast<std::size_t>(source.eyes());
     std::array<scene::View, xr::kEyes> views;
@@ -423,11 +337,11 @@ void Walk::draw(WalkStage& stage, xr::ViewSource& source, const xr::Frame& frame
     }
     if (isDesk(source) || (deskSide_ != nullptr && deskSide_->desk.wantsPicture())) renderer.keepNext();
     fillOverlay(source);
-    const render::Quality& quality = governed_ ? governed_->next(knobs_.quality, renderer.frames()) : knobs_.quality;
-    stage.gpuScene().follow(std::span(views).first(eyes), quality);
+    drawn_ = without(governed_ ? governed_->next(knobs_.quality, renderer.frames()) : knobs_.quality, givenUp_);
+    stage.gpuScene().follow(std::span(views).first(eyes), drawn_);
     for (const std::string& sentence : damage_.news(stage.gpuScene(), scene_))
         say(sentence);
-    stats_ = renderer.draw(std::span(views).first(eyes), quality, std::span(outputs).first(eyes), &overlay_);
+    stats_ = renderer.draw(std::span(views).first(eyes), drawn_, std::span(outputs).first(eyes), &overlay_);
     if (deskSide_ != nullptr) mirror(renderer, isDesk(source), frame);
 
     if (!record_.wantsPicture(static_cast<int>(frame_))) return;

@@ -4,6 +4,7 @@
 
 #include "app/annotate.h"
 #include "app/desk.h"
+#include "app/device_trouble.h"
 #include "app/governed_quality.h"
 #include "app/scene_memory.h"
 #include "app/walk_record.h"
@@ -37,9 +38,11 @@ class Walk {
     static void forgetAskedToEnd();
 
   private:
-    enum class Outcome { over, headsetGone, headsetThere };
+    enum class Outcome { over, headsetGone, headsetThere, deviceLost };
     WalkStage firstStage();
     Outcome walkOn(WalkStage& stage);
+    /// In a headset; if there is none, at the desk, or when one comes. False if asked to end.
+    bool beginAnew(std::optional<WalkStage>& stage);
     /// The next stage after that outcome; none if it is over.
     bool change(Outcome outcome, std::optional<WalkStage>& stage);
     /// Waits for a headset where there is no desk to walk at meanwhile; false if asked to end.
@@ -47,7 +50,13 @@ class Walk {
     bool isAskedToEnd() const;
 
     void drawFrame(WalkStage& stage, xr::ViewSource& source, const xr::Frame& frame);
+    /// Where the walker goes until this frame; once a frame.
+    void advance(WalkStage& stage, const xr::ViewSource& source, const xr::Frame& frame);
+    /// What the walker sees there; again, if the device failed in it.
     void draw(WalkStage& stage, xr::ViewSource& source, const xr::Frame& frame);
+    /// Until it is drawn: on a device made anew if it is lost, with less if it is full. Throws render::DeviceLost where
+    /// a headset hangs on the device.
+    void drawSomehow(WalkStage& stage, xr::ViewSource& source, const xr::Frame& frame);
     void mirror(render::Renderer& renderer, bool isAtDesk, const xr::Frame& frame);
     /// One clock for the walk, whoever counts its frames.
     void tellTime(const xr::ViewSource& source, const xr::Frame& frame);
@@ -89,6 +98,9 @@ class Walk {
     nlohmann::json lastReport_;
     render::FrameStats stats_;
     std::optional<GovernedQuality> governed_;
+    LossWatch losses_;
+    GivenUp givenUp_;
+    render::Quality drawn_; ///< of the frame drawn last
     render::Overlay overlay_;
     std::array<std::string, input::kHands> controllers_;
     int framesWithoutController_ = 0;

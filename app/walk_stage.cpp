@@ -1,7 +1,9 @@
 #include "app/walk_stage.h"
 
+#include "app/device_trouble.h"
 #include "app/scene_memory.h"
 
+#include <cassert>
 #include <cmath>
 #include <cstdio>
 #include <optional>
@@ -27,8 +29,18 @@ render::DeviceMaker makerOf(const xr::Runtime& runtime) {
 void WalkStage::makeDevice(const scene::Scene& scene, const render::SceneMemory& memory,
                            const render::DeviceMaker& maker) {
     device_ = std::make_unique<render::Device>(maker);
+    sayPassedOver(*device_);
     gpuScene_ = std::make_unique<render::GpuScene>(*device_, scene.blocks, memory);
-    if (scene.coverage) coverage_ = std::make_unique<render::GpuCoverage>(*device_, *scene.coverage);
+    coverage_ = makeCoverage(*device_, scene);
+}
+
+void WalkStage::remakeDevice(const scene::Scene& scene, const render::SceneMemory& memory) {
+    assert(headset_ == nullptr);
+    renderers_ = {};
+    coverage_.reset();
+    gpuScene_.reset();
+    device_.reset();
+    makeDevice(scene, memory, {});
 }
 
 WalkStage WalkStage::inHeadset(const scene::Scene& scene, std::unique_ptr<xr::Runtime> runtime,
@@ -76,9 +88,21 @@ render::Renderer& WalkStage::rendererFor(const xr::ViewSource& source) {
         renderer->eyes() == source.eyes())
         return *renderer;
     renderer.reset(); // before the new one takes as much memory
-    renderer = std::make_unique<render::Renderer>(*device_, *gpuScene_, source.width(), source.height(), source.eyes(),
-                                                  coverage_.get());
+    try {
+        renderer = makeRenderer(source);
+    } catch (const render::OutOfMemory& failure) {
+        if (coverage_ == nullptr) throw;
+        sayUnseenIsGivenUp(failure);
+        renderers_ = {}; // the other one shows it, too
+        coverage_.reset();
+        renderer = makeRenderer(source);
+    }
     return *renderer;
+}
+
+std::unique_ptr<render::Renderer> WalkStage::makeRenderer(const xr::ViewSource& source) const {
+    return std::make_unique<render::Renderer>(*device_, *gpuScene_, source.width(), source.height(), source.eyes(),
+                                              coverage_.get());
 }
 
 std::string WalkStage::askForRate(double framesPerSecond) {

@@ -34,6 +34,9 @@ class WalkStage {
     /// those at the desk.
     render::Renderer& rendererFor(const xr::ViewSource& source);
 
+    /// Where no headset hangs on it: device, scene and renderers, all made anew; the source goes on as it is.
+    void remakeDevice(const scene::Scene& scene, const render::SceneMemory& memory);
+
     const render::Device& device() const { return *device_; }
     const render::GpuScene& gpuScene() const { return *gpuScene_; }
     render::GpuScene& gpuScene() { return *gpuScene_; }
@@ -47,6 +50,7 @@ class WalkStage {
 
   private:
     void makeDevice(const scene::Scene& scene, const render::SceneMemory& memory, const render::DeviceMaker& maker);
+    std::unique_ptr<render::Renderer> makeRenderer(const xr::ViewSource& source) const;
 
     // In the order in which they are made; the last goes first.
     std::string name_;

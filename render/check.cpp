@@ -1,7 +1,5 @@
 #include "render/check.h"
 
-#include "scene/errors.h"
-
 #include <string>
 
 namespace render {
@@ -56,9 +54,18 @@ void check(VkResult result, std::source_location asked) {
     if (result == VK_SUCCESS) return;
     const std::string file = asked.file_name();
     const std::string where = file.substr(file.find_last_of('/') + 1) + ", line " + std::to_string(asked.line());
-    throw scene::Failure("Vulkan: " + std::string(nameOf(result)) + " (VkResult " +
-                             std::to_string(static_cast<int>(result)) + ")",
-                         where, remedyFor(result));
+    const std::string what =
+        "Vulkan: " + std::string(nameOf(result)) + " (VkResult " + std::to_string(static_cast<int>(result)) + ")";
+    switch (result) {
+    case VK_ERROR_DEVICE_LOST:
+        throw DeviceLost(what, where, remedyFor(result));
+    case VK_ERROR_OUT_OF_HOST_MEMORY:
+    case VK_ERROR_OUT_OF_DEVICE_MEMORY:
+    case VK_ERROR_OUT_OF_POOL_MEMORY:
+        throw OutOfMemory(what, where, remedyFor(result));
+    default:
+        throw scene::Failure(what, where, remedyFor(result));
+    }
 }
 
 } // namespace render

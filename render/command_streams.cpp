@@ -6,6 +6,17 @@
 
 namespace render {
 
+namespace {
+
+/// A frame of which one eye was submitted and the other was not is never finished: waiting for it would be for ever.
+/// Without memory to submit, the device is as good as lost.
+void checkSubmitted(VkResult result, std::source_location asked = std::source_location::current()) {
+    const bool isFull = result == VK_ERROR_OUT_OF_HOST_MEMORY || result == VK_ERROR_OUT_OF_DEVICE_MEMORY;
+    check(isFull ? VK_ERROR_DEVICE_LOST : result, asked);
+}
+
+} // namespace
+
 CommandStreams::CommandStreams(const Device& device, int eyes) : device_(device) {
     for (std::vector<Stream>& streams : slots_)
         for (int eye = 0; eye < eyes; ++eye) {
@@ -75,9 +86,10 @@ void CommandStreams::submit(std::size_t slot) {
     std::vector<Stream>& streams = slots_[slot];
     const bool joins = streams.size() > 1 && !device_.eyesShareQueue();
     std::vector<VkSemaphore> joined;
+    for (const Stream& stream : streams) // all before the first is submitted: what fails here leaves nothing half done
+        check(vkEndCommandBuffer(stream.commands));
     for (std::size_t eye = 0; eye < streams.size(); ++eye) {
         const Stream& stream = streams[eye];
-        check(vkEndCommandBuffer(stream.commands));
         check(vkResetFences(device_, 1, stream.finished.address()));
         VkSubmitInfo info{};
         info.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO;
@@ -90,8 +102,8 @@ void CommandStreams::submit(std::size_t slot) {
         }
         // The first eye has finished when it has waited for the others, too: then the semaphores may be used again.
         const bool isFirst = joins && eye == 0;
-        check(vkQueueSubmit(device_.queue(static_cast<int>(eye)), 1, &info,
-                            isFirst ? VK_NULL_HANDLE : VkFence(stream.finished)));
+        checkSubmitted(vkQueueSubmit(device_.queue(static_cast<int>(eye)), 1, &info,
+                                     isFirst ? VK_NULL_HANDLE : VkFence(stream.finished)));
     }
     if (!joins) return;
     const std::vector<VkPipelineStageFlags> stages(joined.size(), VK_PIPELINE_STAGE_ALL_COMMANDS_BIT);
@@ -100,7 +112,7 @@ void CommandStreams::submit(std::size_t slot) {
     wait.waitSemaphoreCount = static_cast<std::uint32_t>(joined.size());
     wait.pWaitSemaphores = joined.data();
     wait.pWaitDstStageMask = stages.data();
-    check(vkQueueSubmit(device_.queue(0), 1, &wait, streams[0].finished));
+    checkSubmitted(vkQueueSubmit(device_.queue(0), 1, &wait, streams[0].finished));
 }
 
 void runAndWait(const Device& device, const std::function<void(VkCommandBuffer)>& recordCommands) {

@@ -100,6 +100,7 @@ void Device::choosePhysical(const DeviceMaker& maker) {
         throw scene::Failure("no graphics device can draw: " + describe(candidates, nameContains),
                              std::string("Vulkan"),
                              nameContains.empty() ? kGetADevice : "change or unset REVISIT_DEVICE");
+    passedOver_ = describePassedOver(candidates, *chosen, nameContains);
     physical_ = candidates[*chosen].handle;
     queueFamily_ = candidates[*chosen].queueFamily;
     queueCount_ = std::min<std::uint32_t>(candidates[*chosen].queueCount, kMaxEyes);

@@ -48,6 +48,8 @@ class Device {
     bool eyesShareQueue() const { return queues_[0] == queues_[1]; }
 
     const std::string& name() const { return name_; }
+    /// Better devices that lack something: "NAME lacks WHAT"; empty if there are none.
+    const std::string& passedOver() const { return passedOver_; }
     const std::string& driver() const { return driver_; } ///< name and version
     bool isProcessor() const { return properties_.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU; }
     const VkPhysicalDeviceLimits& limits() const { return properties_.limits; }
@@ -80,7 +82,7 @@ class Device {
     std::uint32_t queueFamily_ = 0, queueCount_ = 1, timestampBits_ = 0;
     VkPhysicalDeviceProperties properties_{};
     VkPhysicalDeviceMemoryProperties memory_{};
-    std::string name_, driver_;
+    std::string name_, driver_, passedOver_;
     int subgroupSize_ = 1;
     mutable std::mutex heardMutex_; ///< the layers may call from any thread
     std::vector<std::string> heard_;

@@ -71,6 +71,13 @@ void findFeatures(Candidate& candidate) {
     if (!ballots) candidate.lacks.push_back("subgroup ballot in compute shaders");
 }
 
+std::string withLacks(const Candidate& candidate) {
+    std::string text = candidate.name;
+    for (std::size_t i = 0; i < candidate.lacks.size(); ++i)
+        text += (i == 0 ? " lacks " : " and ") + candidate.lacks[i];
+    return text;
+}
+
 } // namespace
 
 std::vector<Candidate> findCandidates(VkInstance instance) {
@@ -103,14 +110,22 @@ std::optional<std::size_t> chooseCandidate(std::span<const Candidate> candidates
     return best;
 }
 
+std::string describePassedOver(std::span<const Candidate> candidates, std::size_t chosen,
+                               const std::string& nameContains) {
+    std::string text;
+    for (const Candidate& candidate : candidates)
+        if (!candidate.lacks.empty() && isMeant(candidate, nameContains) &&
+            rankOf(candidate.type) < rankOf(candidates[chosen].type))
+            text += (text.empty() ? "" : ", ") + withLacks(candidate);
+    return text;
+}
+
 std::string describe(std::span<const Candidate> candidates, const std::string& nameContains) {
     if (candidates.empty()) return "there is none";
     std::string text;
     for (const Candidate& candidate : candidates) {
-        text += (text.empty() ? "" : ", ") + candidate.name;
+        text += (text.empty() ? "" : ", ") + withLacks(candidate);
         if (!isMeant(candidate, nameContains)) text += " (not named \"" + nameContains + "\")";
-        for (std::size_t i = 0; i < candidate.lacks.size(); ++i)
-            text += (i == 0 ? " lacks " : " and ") + candidate.lacks[i];
     }
     return text;
 }

@@ -28,6 +28,11 @@ std::vector<Candidate> findCandidates(VkInstance instance);
 /// nameContains is not empty, only devices whose name contains it (whatever the case) count.
 std::optional<std::size_t> chooseCandidate(std::span<const Candidate> candidates, const std::string& nameContains);
 
+/// Devices that would have been chosen before `chosen`, were it not for what they lack: "NAME lacks WHAT", one after
+/// another; empty if there are none.
+std::string describePassedOver(std::span<const Candidate> candidates, std::size_t chosen,
+                               const std::string& nameContains);
+
 /// One line for a failure: every candidate and what it lacks.
 std::string describe(std::span<const Candidate> candidates, const std::string& nameContains);
 

@@ -9,6 +9,7 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <limits>
+#include <tbb/parallel_for.h>
 
 namespace scene {
 
@@ -179,6 +180,9 @@ void attachTriangles(RTCDevice device, RTCScene rtcScene, unsigned id, const std
 } // namespace
 
 SyntheticTracer::SyntheticTracer(const SyntheticModel& model) : model_(model) {
+    // oneTBB's tasks keep the arithmetic of whoever woke it first; with Embree's, tiny numbers would be zero in all
+    // that runs after.
+    tbb::parallel_for(0, 1, [](int) {});
     device_ = rtcNewDevice(nullptr);
     if (device_ == nullptr)
         throw Failure("cannot start the ray tracer", std::string("Embree"),

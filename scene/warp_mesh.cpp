@@ -4,6 +4,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+
 namespace scene {
 
 namespace {
@@ -61,6 +65,49 @@ RowRange drawTriangle(const Projected* p, const std::uint32_t* colours, std::uin
     return {y0, std::min(y1 + 1, zBuffer.height)};
 }
 
+/// How far outside of a triangle that reaches behind the eye a pixel may look, in samples: there are no edges on the
+/// screen to measure from.
+constexpr double kCutEdge = 1.0 / 16.0;
+
+/// A triangle that reaches from before the eye to behind it. Its corners have no place on the screen, so the warp is
+/// turned round: (r, s, t) / w of the corners' shares is affine on the screen, and positive w is before the eye.
+RowRange drawCutTriangle(const glm::dvec3* h, const double* disparities, const std::uint32_t* colours,
+                         std::uint32_t levelAndClass, const ImageView<std::uint64_t>& zBuffer) {
+    const auto isBeyond = [&](const glm::dvec3& edge) {
+        return glm::dot(edge, h[0]) < 0 && glm::dot(edge, h[1]) < 0 && glm::dot(edge, h[2]) < 0;
+    };
+    if (isBeyond({1, 0, 0}) || isBeyond({-1, 0, zBuffer.width}) || isBeyond({0, 1, 0}) ||
+        isBeyond({0, -1, zBuffer.height}))
+        return {}; // beside the picture
+    const glm::dmat3 sharesToScreen(h[0], h[1], h[2]);
+    if (!(std::abs(glm::determinant(sharesToScreen)) > 1e-30)) return {}; // seen edge-on
+    const glm::dmat3 screenToShares = glm::inverse(sharesToScreen);
+    RowRange rows{zBuffer.height, 0};
+    for (int y = 0; y < zBuffer.height; ++y)
+        for (int x = 0; x < zBuffer.width; ++x) {
+            const glm::dvec3 perW = screenToShares * glm::dvec3(x + 0.5, y + 0.5, 1);
+            const double sum = perW.x + perW.y + perW.z;
+            if (!(sum > 0)) continue;
+            const glm::dvec3 share = perW / sum;
+            if (!(share.x >= -kCutEdge && share.y >= -kCutEdge && share.z >= -kCutEdge)) continue;
+            const auto disparity = static_cast<float>(
+                std::max(perW.x * disparities[0] + perW.y * disparities[1] + perW.z * disparities[2], 0.0));
+            if (!(disparity <= 1.0f / kNearMetres)) continue;
+            const glm::dvec3 weight = glm::max(share, glm::dvec3(0)) /
+                                      (std::max(share.x, 0.0) + std::max(share.y, 0.0) + std::max(share.z, 0.0));
+            std::uint32_t colour = 0;
+            for (int shift = 0; shift < 24; shift += 8) {
+                double value = 0.5;
+                for (int corner = 0; corner < 3; ++corner)
+                    value += weight[corner] * (colours[corner] >> shift & 255u);
+                colour |= static_cast<std::uint32_t>(value) << shift;
+            }
+            zBuffer(x, y) = std::max(zBuffer(x, y), keyOf(disparity, colour, levelAndClass));
+            rows = {std::min(rows.first, y), y + 1};
+        }
+    return rows;
+}
+
 RowRange drawTileMesh(const TileBlock& block, const Tile& tile, const TileWarp& warp,
                       const ImageView<std::uint64_t>& zBuffer) {
     const auto vertices = block.vertices.subspan(tile.firstVertex, tile.vertexCount);
@@ -70,9 +117,23 @@ RowRange drawTileMesh(const TileBlock& block, const Tile& tile, const TileWarp& 
     RowRange rows{zBuffer.height, 0};
     const auto draw = [&](std::uint32_t a, std::uint32_t b, std::uint32_t d) {
         const Projected p[3] = {projected[a], projected[b], projected[d]};
-        if (p[0].disparity < 0 || p[1].disparity < 0 || p[2].disparity < 0) return;
+        const auto before = std::count_if(p, p + 3, [](const Projected& corner) { return corner.disparity >= 0; });
+        if (before == 0) return;
         const std::uint32_t colours[3] = {vertices[a].colour, vertices[b].colour, vertices[d].colour};
-        const RowRange drawn = drawTriangle(p, colours, warp.levelAndClass, zBuffer);
+        RowRange drawn;
+        if (before == 3) {
+            drawn = drawTriangle(p, colours, warp.levelAndClass, zBuffer);
+        } else {
+            glm::dvec3 h[3];
+            double disparities[3];
+            for (int i = 0; i < 3; ++i) {
+                const VertexPlace place = placeOf(tile, vertices[i == 0 ? a : i == 1 ? b : d]);
+                h[i] = glm::dvec3(warp.origin) + double(place.x) * glm::dvec3(warp.columnX) +
+                       double(place.y) * glm::dvec3(warp.columnY) + double(place.q) * glm::dvec3(warp.columnQ);
+                disparities[i] = double(warp.minDisparity) + place.q * double(warp.disparityStep);
+            }
+            drawn = drawCutTriangle(h, disparities, colours, warp.levelAndClass, zBuffer);
+        }
         if (drawn.first < drawn.end) rows = {std::min(rows.first, drawn.first), std::max(rows.end, drawn.end)};
     };
     for (const TileQuad& quad : block.quads.subspan(tile.firstQuad, tile.quadCount)) {

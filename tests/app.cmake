@@ -23,6 +23,22 @@ revisit_program_test(revisit_captures_tests LABELS data programs TIMEOUT 600
 revisit_program_test(revisit_world_tests LABELS programs
     SOURCES app/comparison.cpp app/full_disk_test.cpp app/itself_test.cpp app/no_device_test.cpp app/program.cpp)
 
+# Devices that fail, made so by a layer between the programs and the driver.
+add_library(revisit_faulty_layer MODULE app/faulty_layer.cpp)
+target_link_libraries(revisit_faulty_layer PRIVATE revisit_flags)
+target_include_directories(revisit_faulty_layer SYSTEM PRIVATE ${Vulkan_INCLUDE_DIRS})
+# It goes on counting when the loader has closed it and opens it again for another device.
+target_link_options(revisit_faulty_layer PRIVATE -Wl,-z,nodelete)
+set(faulty_layer ${CMAKE_CURRENT_BINARY_DIR}/faulty_layer)
+file(GENERATE OUTPUT ${faulty_layer}/faulty.json CONTENT "{\"file_format_version\": \"1.2.0\", \"layer\": {
+    \"name\": \"VK_LAYER_REVISIT_faulty\", \"type\": \"GLOBAL\", \"library_path\": \"$<TARGET_FILE:revisit_faulty_layer>\",
+    \"api_version\": \"1.3.0\", \"implementation_version\": \"1\", \"description\": \"A faulty device, for tests\"}}
+")
+revisit_program_test(revisit_faulty_device_tests WHOLE LABELS programs TIMEOUT 300
+    SOURCES app/comparison.cpp app/faulty_device_test.cpp app/program.cpp app/sample_scene.cpp)
+target_compile_definitions(revisit_faulty_device_tests PRIVATE REVISIT_FAULTY_LAYER="${faulty_layer}")
+add_dependencies(revisit_faulty_device_tests revisit_faulty_layer)
+
 # What the programs are made of.
 revisit_test(revisit_app_unit_tests LABELS unit LINKS app nlohmann_json::nlohmann_json
     SOURCES app/annotate_test.cpp app/desk_test.cpp app/governor_test.cpp app/kept_settings_test.cpp app/measure_table_test.cpp
@@ -35,3 +51,5 @@ find_package(X11 REQUIRED)
 revisit_program_test(revisit_desktop_tests LABELS programs TIMEOUT 300
     SOURCES app/comparison.cpp app/desktop_test.cpp app/program.cpp app/screen.cpp)
 target_link_libraries(revisit_desktop_tests PRIVATE X11::X11)
+target_compile_definitions(revisit_desktop_tests PRIVATE REVISIT_FAULTY_LAYER="${faulty_layer}")
+add_dependencies(revisit_desktop_tests revisit_faulty_layer)

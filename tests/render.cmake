@@ -10,6 +10,7 @@ revisit_test(revisit_render_tests LABELS gpu LINKS revisit_render_scenes TBB::tb
         render/draw_list_test.cpp
         render/stream_test.cpp
         render/edge_cases_test.cpp
+        render/extremes_test.cpp
         render/hole_fill_test.cpp
         render/mesh_test.cpp
         render/oracle_test.cpp
@@ -19,6 +20,7 @@ revisit_test(revisit_render_tests LABELS gpu LINKS revisit_render_scenes TBB::tb
         render/rescale_test.cpp
         render/shared_math_test.cpp
         render/splats_test.cpp
+        render/studio.cpp
         render/test_device.cpp
         render/visibility_test.cpp)
 

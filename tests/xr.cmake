@@ -31,10 +31,12 @@ target_link_libraries(revisit_headset_walk_tests PRIVATE revisit_monado scene)
 
 # What may happen on the way.
 revisit_program_test(revisit_headset_world_tests LABELS programs TIMEOUT 300
-    SOURCES app/comparison.cpp app/program.cpp app/sample_scene.cpp app/walker.cpp xr/bad_runtime_test.cpp xr/fake.cpp xr/long_walk_test.cpp xr/runtime_dies_test.cpp)
+    SOURCES app/comparison.cpp app/program.cpp app/sample_scene.cpp app/walker.cpp xr/bad_runtime_test.cpp xr/fake.cpp xr/long_walk_test.cpp
+        xr/lost_device_test.cpp xr/runtime_dies_test.cpp)
 target_link_libraries(revisit_headset_world_tests PRIVATE revisit_monado scene)
-target_compile_definitions(revisit_headset_world_tests PRIVATE REVISIT_FAKE_RUNTIME="$<TARGET_FILE:revisit_fake_runtime>")
-add_dependencies(revisit_headset_world_tests revisit_fake_runtime)
+target_compile_definitions(revisit_headset_world_tests PRIVATE REVISIT_FAKE_RUNTIME="$<TARGET_FILE:revisit_fake_runtime>"
+    REVISIT_FAULTY_LAYER="${faulty_layer}")
+add_dependencies(revisit_headset_world_tests revisit_fake_runtime revisit_faulty_layer)
 
 # A window beside the headset.
 revisit_program_test(revisit_desk_fallback_tests LABELS programs TIMEOUT 300

@@ -5,12 +5,17 @@
 // One workgroup draws one tile. An invocation draws a square by itself while it is small; all invocations of a subgroup
 // draw a large one together, so that a wall before the eye stalls nobody. Each square warps its four samples anew: that
 // costs less than sharing them does.
+//
+// Half a square that reaches from before the eye to behind it has no place on the screen for its corners: it is turned
+// round, as facets are (shared/facet.h). Right before a wall such squares are all that is seen. They come after the
+// others, in tiles that may have any, so that no other tile pays for them.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
 #extension GL_EXT_shader_atomic_int64 : require
 #extension GL_KHR_shader_subgroup_ballot : require
 
 #include "render/shaders/shared/detail.h"
+#include "render/shaders/shared/facet.h"
 #include "render/shaders/shared/triangle.h"
 #include "render/shaders/shared/z_key.h"
 
@@ -89,6 +94,69 @@ void drawPixel(Square s, uint levelAndClass, ivec2 offset)
     atomicMax(zBuffer[pixel.y * constants.width + pixel.x], packUint2x32(packKey(disparity, colour, levelAndClass)));
 }
 
+/// Half a square that reaches behind the eye, with its corners in the order of mixColours.
+void drawCut(vec4 a, vec4 b, vec4 c, uvec3 colours, uint levelAndClass, int myPlace, int lanes)
+{
+    Facet facet = facetOfTriangle(a, b, c);
+    PixelBox box = boxOfCut(a, b, c, vec2(constants.width, constants.height));
+    FacetView view = turnRound(facet, vec2(box.first) + 0.5f);
+    ivec2 extent = max(box.last - box.first + 1, 0);
+    for (int i = myPlace; i < extent.x * extent.y; i += lanes) {
+        ivec2 offset = ivec2(i % extent.x, i / extent.x);
+        FacetSight sight = look(facet, view, vec2(offset));
+        if (sight.disparity < 0.0f) continue;
+        uint colour = mixColours(colours.x, colours.y, colours.z, sight.x, sight.y);
+        ivec2 pixel = box.first + offset;
+        atomicMax(zBuffer[pixel.y * constants.width + pixel.x],
+                  packUint2x32(packKey(sight.disparity, colour, levelAndClass)));
+    }
+}
+
+vec4 cornerOf(TileDraw draw, uint index, out uint colour)
+{
+    uvec2 vertex = texelFetch(vertices, int(draw.span.x + (index & kIndexMask))).xy;
+    colour = vertex.y;
+    return warpSample(draw, vertex.x);
+}
+
+const uint kUpper = 1u, kLower = 2u;
+
+/// Which halves of a square reach behind the eye.
+uint cutHalvesOf(TileDraw draw, uint number)
+{
+    uvec2 quad = texelFetch(quads, int(draw.span.y + number)).xy;
+    uint colour;
+    bool topLeft = isBeforeEye(cornerOf(draw, quad.x, colour)), topRight = isBeforeEye(cornerOf(draw, quad.x >> 16, colour));
+    bool bottomLeft = isBeforeEye(cornerOf(draw, quad.y, colour)), bottomRight = isBeforeEye(cornerOf(draw, quad.y >> 16, colour));
+    bool some = topRight || bottomLeft, all_ = topRight && bottomLeft;
+    bool upper = (quad.x & kDrawn) != 0u && (some || topLeft) && !(all_ && topLeft);
+    bool lower = (quad.y & kDrawn) != 0u && (some || bottomRight) && !(all_ && bottomRight);
+    return isSquareOfDetail(draw, quad) ? (upper ? kUpper : 0u) | (lower ? kLower : 0u) : 0u;
+}
+
+void drawCuts(TileDraw draw, uint levelAndClass)
+{
+    uint end = mayReachBehind(draw) ? draw.span.z : 0u;
+    for (uint start = 0u; start < end; start += gl_WorkGroupSize.x) {
+        uint number = start + gl_LocalInvocationID.x;
+        uint halves = number < end ? cutHalvesOf(draw, number) : 0u;
+        uvec4 present = subgroupBallot(true), cut = subgroupBallot(halves != 0u);
+        int lanes = int(subgroupBallotBitCount(present)), myPlace = int(subgroupBallotExclusiveBitCount(present));
+        while (cut != uvec4(0u)) {
+            uint lane = subgroupBallotFindLSB(cut);
+            cut &= ~subgroupBallot(gl_SubgroupInvocationID == lane);
+            uvec2 quad = texelFetch(quads, int(draw.span.y + subgroupBroadcast(number, lane))).xy;
+            uint drawn = subgroupBroadcast(halves, lane);
+            for (uint half_ = drawn == kLower ? kLower : kUpper; half_ <= drawn; ++half_) {
+                uvec3 colours;
+                vec4 a = cornerOf(draw, half_ == kLower ? quad.y >> 16 : quad.x, colours.x);
+                vec4 b = cornerOf(draw, quad.x >> 16, colours.y), c = cornerOf(draw, quad.y, colours.z);
+                drawCut(a, b, c, colours, levelAndClass, myPlace, lanes);
+            }
+        }
+    }
+}
+
 void main()
 {
     TileDraw draw = draws[constants.firstDraw + gl_WorkGroupID.x];
@@ -120,4 +188,5 @@ void main()
             for (int i = myPlace; i < pixels; i += lanes) drawPixel(square, levelAndClass, ivec2(i % wide, i / wide));
         }
     }
+    drawCuts(draw, levelAndClass);
 }

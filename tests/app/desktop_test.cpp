@@ -91,6 +91,30 @@ class Desktop : public testing::Test {
     fs::path log_ = scratch_ / "walk.txt";
 };
 
+TEST_F(Desktop, ALostDeviceIsMadeAnewWhereTheWalkerStands) {
+    const fs::path record = scratch_ / "record.json";
+    walk_ = start(screen_->around(scratch_.path().string(),
+                                  {"/usr/bin/env", "VK_LAYER_PATH=" REVISIT_FAULTY_LAYER,
+                                   "VK_INSTANCE_LAYERS=VK_LAYER_REVISIT_faulty", "REVISIT_FAULT_LOSE=12", kRevisit,
+                                   "walk", scene(), "--desktop", "--record", record.string()}),
+                  log_);
+    ASSERT_TRUE(screen_->focus("Revisit")) << waitFor().output;
+    ASSERT_TRUE(hitUntilSaid("w", "the device was lost, and is made anew", 1)) << log();
+    std::this_thread::sleep_for(std::chrono::seconds(2)); // frames go on
+    ASSERT_TRUE(hitUntilSaid("F12", "kept revisit-", 1)) << log();
+    screen_->act({"key", "Escape"});
+    const Outcome ended = waitFor();
+    ASSERT_EQ(ended.status, 0) << ended.output;
+    const nlohmann::json poses = readJson(record).at("poses");
+    ASSERT_GT(poses.size(), 14u);
+    double farthest = 0;
+    for (std::size_t i = 1; i < poses.size(); ++i)
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            farthest = std::max(farthest, std::abs(poses[i].at("position").at(axis).get<double>() -
+                                                   poses[i - 1].at("position").at(axis).get<double>()));
+    EXPECT_LT(farthest, 1.0) << "nobody is set back";
+}
+
 TEST_F(Desktop, TheScreenshotIsWhatRenderDrawsFromThere) {
     const fs::path out = scratch_ / "out", frames = scratch_ / "frames";
     startWalk({"--out", out.string(), "--picture-every", "1000000"});

@@ -25,6 +25,9 @@ TEST(DeviceChoice, PrefersDiscreteThenIntegratedThenVirtualThenProcessor) {
     EXPECT_EQ(chooseCandidate(all, "Old"), std::nullopt);
     EXPECT_EQ(chooseCandidate({}, ""), std::nullopt);
     EXPECT_NE(describe(all, "Old").find("Old Tower lacks shaderInt64"), std::string::npos);
+    EXPECT_EQ(describePassedOver(all, 2, ""), "Old Tower lacks shaderInt64");
+    EXPECT_EQ(describePassedOver(all, 3, ""), "") << "another is as good";
+    EXPECT_EQ(describePassedOver(all, 2, "laptop"), "") << "nobody asked for it";
 }
 
 TEST(Device, SaysWhyThereIsNone) {
@@ -51,6 +54,19 @@ TEST(Check, ThrowsWithTheLineThatAsked) {
         ADD_FAILURE();
     } catch (const scene::Failure& failure) {
         EXPECT_NE(std::string(failure.what()).find("device_test.cpp, line"), std::string::npos) << failure.what();
+    }
+}
+
+TEST(Check, TellsALostDeviceFromOneThatIsFull) {
+    EXPECT_THROW(check(VK_ERROR_DEVICE_LOST), DeviceLost);
+    EXPECT_THROW(check(VK_ERROR_OUT_OF_DEVICE_MEMORY), OutOfMemory);
+    EXPECT_THROW(check(VK_ERROR_OUT_OF_HOST_MEMORY), OutOfMemory);
+    try {
+        check(VK_ERROR_FORMAT_NOT_SUPPORTED);
+        ADD_FAILURE();
+    } catch (const scene::Failure& failure) {
+        EXPECT_EQ(dynamic_cast<const DeviceLost*>(&failure), nullptr);
+        EXPECT_EQ(dynamic_cast<const OutOfMemory*>(&failure), nullptr);
     }
 }
 

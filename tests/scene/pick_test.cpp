@@ -220,6 +220,28 @@ TEST(Pick, FarFromTheOriginItIsAsExact) {
     }
 }
 
+TEST(Pick, ATenthOfAMillimetreBeforeAWallAndAHundredKilometresBeforeOne) {
+    const glm::dvec3 normal = glm::normalize(glm::dvec3(0.1, 0.2, 1));
+    const Tiled near = wall(normal);
+    const Camera camera{400, 300, 760, 760, 200, 150};
+    const Tiled far({imageOf(
+        camera, {}, [&](double x, double y) { return planeDisparity(camera, normal, 1e5 * normal.z, x, y); })});
+    for (const double aside : {0.0, 0.03, 0.2, -0.11})
+        for (const glm::dvec3& direction : {glm::dvec3(0, 0, 1), glm::dvec3(1, 0.3, 0.9), glm::dvec3(-0.2, 1, 0.4)}) {
+            const glm::dvec3 onNear(aside, 0.1, 2 - (normal.x * aside + normal.y * 0.1) / normal.z);
+            const double metres = 1e-4 / glm::dot(normal, direction);
+            const auto hit = pick(near.blocks, {onNear - metres * direction, direction});
+            ASSERT_TRUE(hit) << aside;
+            EXPECT_LT(glm::distance(hit->position, onNear), 5e-6) << aside;
+
+            const glm::dvec3 ray = rayThrough(camera, 200 + 500 * aside, 150);
+            const glm::dvec3 onFar = ray * (1e5 * normal.z / glm::dot(normal, ray));
+            const auto farHit = pick(far.blocks, {glm::dvec3(3, -2, 1), onFar - glm::dvec3(3, -2, 1)});
+            ASSERT_TRUE(farHit) << aside;
+            EXPECT_LT(glm::distance(farHit->position, onFar), 5) << aside;
+        }
+}
+
 TEST(Pick, ARayThatIsNoneHitsNothing) {
     const Tiled plane = wall({0, 0, 1});
     const double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();

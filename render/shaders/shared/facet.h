@@ -58,6 +58,46 @@ SHARED_FUNCTION PixelBox boxOf(Facet facet, vec2 size) {
     return pixelsOf(low, high, size);
 }
 
+/// A triangle (a, b, c), some of whose corners cannot be projected: half of a facet, one sample wide.
+SHARED_FUNCTION Facet facetOfTriangle(vec4 a, vec4 b, vec4 c) {
+    Facet facet;
+    facet.corner = a;
+    facet.perX = b - a;
+    facet.perY = c - a;
+    facet.side = 1.0f;
+    facet.isUpper = true;
+    facet.isLower = false;
+    return facet;
+}
+
+/// Where an edge passes the nearest that is drawn, on the screen. before: can be projected; behind: cannot.
+SHARED_FUNCTION vec2 cutAtNearest(vec4 before, vec4 behind) {
+    // Affine along the edge: at least 0 where the edge is drawn.
+    float here = kMaxEyeDisparity * before.z - before.w, there = kMaxEyeDisparity * behind.z - behind.w;
+    vec4 h = before + clamp(here / max(here - there, 1e-30f), 0.0f, 1.0f) * (behind - before);
+    float inverse = 1.0f / max(h.z, 1e-30f);
+    return vec2(h.x * inverse, h.y * inverse);
+}
+
+/// The pixels that may see such a triangle.
+SHARED_FUNCTION PixelBox boxOfCut(vec4 a, vec4 b, vec4 c, vec2 size) {
+    vec2 low = vec2(1e30f), high = vec2(-1e30f);
+    for (int i = 0; i < 3; ++i) {
+        vec4 from = i == 0 ? a : i == 1 ? b : c, to = i == 0 ? b : i == 1 ? c : a;
+        bool isBefore = isBeforeEye(from);
+        if (isBefore) {
+            vec3 seen = project(from);
+            low = min(low, vec2(seen.x, seen.y));
+            high = max(high, vec2(seen.x, seen.y));
+        }
+        if (isBefore == isBeforeEye(to)) continue;
+        vec2 cut = isBefore ? cutAtNearest(from, to) : cutAtNearest(to, from);
+        low = min(low, cut);
+        high = max(high, cut);
+    }
+    return pixelsOf(low, high, size);
+}
+
 /// Turned round, with (u, v, 1) from some pixel's centre: x = dot(x, (u, v, 1)) / dot(perW, (u, v, 1)), y alike;
 /// perW is 1 / w, and disparity the eye's. All zero where the facet is seen edge-on.
 struct FacetView {

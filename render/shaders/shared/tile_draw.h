@@ -74,6 +74,20 @@ SHARED_FUNCTION bool isBeforeEye(vec4 h) {
     return h.z > 1e-30f && h.w <= kMaxEyeDisparity * h.z;
 }
 
+/// False if all samples that the tile could hold are before the eye.
+SHARED_FUNCTION bool mayReachBehind(TileDraw draw) {
+    uint bits = placeBitsOf(draw);
+    float most = float(int((1u << bits) - 1u)), mostQ = float(int((1u << (32u - 2u * bits)) - 1u));
+    // At least 0 before the eye, and affine: least in a corner of the tile's box.
+    float first = kMaxEyeDisparity * draw.base.z - draw.base.w;
+    float alongX = most * (kMaxEyeDisparity * draw.perX.z - draw.perX.w);
+    float alongY = most * (kMaxEyeDisparity * draw.perY.z - draw.perY.w);
+    float alongQ = mostQ * (kMaxEyeDisparity * draw.perQ.z - draw.perQ.w);
+    float least = first + min(alongX, 0.0f) + min(alongY, 0.0f) + min(alongQ, 0.0f);
+    float rounding = 1e-6f * (abs(first) + abs(alongX) + abs(alongY) + abs(alongQ));
+    return !(least > rounding);
+}
+
 /// (u, v, eye disparity) of a sample before the eye. Quantised sky may come out an ulp below zero: infinitely
 /// far.
 SHARED_FUNCTION vec3 project(vec4 h) {

@@ -1,0 +1,70 @@
+#include "app/device_trouble.h"
+
+#include "render/device.h"
+
+#include <cstdio>
+#include <string>
+
+namespace app {
+
+namespace {
+
+void say(const std::string& line) {
+    std::fprintf(stderr, "revisit: %s\n", line.c_str());
+}
+
+} // namespace
+
+void LossWatch::tell(const render::DeviceLost& loss, Time now) {
+    const std::optional<Time> before = std::exchange(lastLoss_, now);
+    if (before && now - *before < kSoonLostAgain)
+        throw scene::Failure("the device was lost again right after it had been made anew (" +
+                                 std::string(loss.what()) + ")",
+                             std::string("Vulkan"), "see the system's log for what stops it");
+    say("the device was lost, and is made anew; what was being drawn is drawn again (" + std::string(loss.what()) +
+        ")");
+}
+
+render::Quality without(render::Quality asked, const GivenUp& givenUp) {
+    if (givenUp.blending) asked.isBlended = false;
+    if (givenUp.resolution) asked.resolutionScale = 1;
+    return asked;
+}
+
+bool giveUpMore(const render::Quality& drawn, const render::OutOfMemory& failure, GivenUp& givenUp) {
+    const std::string why = " (" + std::string(failure.what()) + ")";
+    if (drawn.isBlended && !givenUp.blending) {
+        givenUp.blending = true;
+        say("the device has no memory to blend: drawn without" + why);
+        return true;
+    }
+    if (drawn.resolutionScale != 1 && !givenUp.resolution) {
+        givenUp.resolution = true;
+        say("the device has no memory for another resolution: drawn in the pictures' own" + why);
+        return true;
+    }
+    return false;
+}
+
+void sayUnseenIsGivenUp(const scene::Failure& failure) {
+    say("what nobody saw is shown as emptiness: the device cannot hold it (" + std::string(failure.what()) + ")");
+}
+
+std::unique_ptr<render::GpuCoverage> makeCoverage(const render::Device& device, const scene::Scene& scene) {
+    if (!scene.coverage) return nullptr;
+    try {
+        return std::make_unique<render::GpuCoverage>(device, *scene.coverage);
+    } catch (const render::DeviceLost&) {
+        throw;
+    } catch (const scene::Failure& failure) {
+        sayUnseenIsGivenUp(failure);
+        return nullptr;
+    }
+}
+
+void sayPassedOver(const render::Device& device) {
+    if (device.passedOver().empty()) return;
+    say("drawn on " + device.name() + ": " + device.passedOver());
+}
+
+} // namespace app

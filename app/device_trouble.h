@@ -1,0 +1,52 @@
+#pragma once
+// What a run does when its device fails it: a lost one is made anew, once; of a full one less is asked, step by step.
+// Each time one line says so.
+
+#include "render/check.h"
+#include "render/post/unseen.h"
+#include "render/quality.h"
+#include "scene/scene.h"
+
+#include <chrono>
+#include <memory>
+#include <optional>
+
+namespace app {
+
+/// A device that is lost again so soon after it was made anew will be lost every time.
+inline constexpr std::chrono::seconds kSoonLostAgain{30};
+
+/// Whether a lost device is made anew.
+class LossWatch {
+  public:
+    using Time = std::chrono::steady_clock::time_point;
+
+    /// Says that the device was lost and is made anew. Throws scene::Failure if the one before was lost only just.
+    void tell(const render::DeviceLost& loss, Time now = std::chrono::steady_clock::now());
+
+  private:
+    std::optional<Time> lastLoss_;
+};
+
+/// What is asked for no more since there was no memory for it.
+struct GivenUp {
+    bool blending = false, resolution = false;
+};
+
+/// What is left of a wish.
+render::Quality without(render::Quality asked, const GivenUp& givenUp);
+
+/// Gives up the next thing that takes memory in drawing so, and says what and why; false if there is none.
+bool giveUpMore(const render::Quality& drawn, const render::OutOfMemory& failure, GivenUp& givenUp);
+
+/// What was observed of the scene, on the device: null if the scene does not know, or, with a line that says so, if the
+/// device cannot hold it.
+std::unique_ptr<render::GpuCoverage> makeCoverage(const render::Device& device, const scene::Scene& scene);
+
+/// Says that unseen space is shown as emptiness from now on, and why.
+void sayUnseenIsGivenUp(const scene::Failure& failure);
+
+/// Says which better devices were passed over, and what they lack, if there are any.
+void sayPassedOver(const render::Device& device);
+
+} // namespace app

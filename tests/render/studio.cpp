@@ -1,0 +1,113 @@
+#include "tests/render/studio.h"
+
+#include "scene/blend.h"
+#include "scene/pyramid.h"
+
+#include <cmath>
+#include <cstdlib>
+
+namespace render {
+
+Quality qualityOf(Warp warp) {
+    Quality quality;
+    quality.warp = warp;
+    quality.preference.nearBaseline = 0.2f;
+    return quality;
+}
+
+std::vector<Way> ways() {
+    std::vector<Way> all{{"points", qualityOf(Warp::points)},
+                         {"splats", qualityOf(Warp::splats)},
+                         {"mesh", qualityOf(Warp::mesh)},
+                         {"adaptive", qualityOf(Warp::adaptive)},
+                         {"points, filled", qualityOf(Warp::points)},
+                         {"points, blended", qualityOf(Warp::points)},
+                         {"mesh, blended, filled", qualityOf(Warp::mesh)},
+                         {"adaptive, coarse, smaller, filled", qualityOf(Warp::adaptive)}};
+    all[4].quality.holes.radius = 8;
+    all[5].quality.isBlended = true;
+    all[6].quality.isBlended = true, all[6].quality.holes.radius = 8;
+    all[7].quality.samplePixels = 1.5, all[7].quality.resolutionScale = 0.7, all[7].quality.holes.radius = 8;
+    return all;
+}
+
+CutScene cutInLevels(std::vector<scene::DepthImage> images) {
+    CutScene scene;
+    scene.images = std::move(images);
+    for (const scene::DepthImage& image : scene.images)
+        scene.sets.push_back(scene::cutIntoLevels(image, {}));
+    return scene;
+}
+
+CutScene roomAllAround() {
+    std::vector<scene::DepthImage> images = roomFromWithin(96).images;
+    return cutInLevels(std::move(images));
+}
+
+CutScene movedBy(CutScene scene, const glm::dvec3& offset) {
+    for (scene::DepthImage& image : scene.images)
+        image.worldFromCamera.translation += offset;
+    return scene;
+}
+
+Studio::Studio(CutScene cut, const scene::Coverage* coverage)
+    : cut_(std::move(cut)), scene_(testDevice(), cut_.blocks()) {
+    if (coverage != nullptr) coverage_.emplace(testDevice(), *coverage);
+}
+
+EyeImage Studio::draw(const scene::View& view, const Quality& quality, const Overlay* overlay) {
+    if (!renderer_ || width_ != view.camera.width || height_ != view.camera.height) {
+        renderer_.reset();
+        width_ = view.camera.width, height_ = view.camera.height;
+        renderer_.emplace(testDevice(), scene_, width_, height_, 1, coverage_ ? &*coverage_ : nullptr);
+    }
+    renderer_->draw(std::span(&view, 1), quality, {}, overlay);
+    return renderer_->readBack()[0];
+}
+
+std::optional<scene::EyeImage> Studio::drawByProcessor(const scene::View& eye, const Quality& quality) const {
+    if (quality.warp == Warp::adaptive || quality.holes.radius > 0) return std::nullopt;
+    const scene::WarpOptions options{
+        .preference = quality.preference, .maxFootprint = quality.maxFootprint, .maxSplat = quality.maxSplat};
+    scene::ZBuffer zBuffer(eye.camera.width, eye.camera.height, 0);
+    const std::vector<scene::TileBlock> blocks = cut_.blocks();
+    const auto warp = quality.warp == Warp::points ? scene::warpPoints
+                      : quality.warp == Warp::mesh ? scene::warpMesh
+                                                   : scene::warpSplats;
+    warp(blocks, eye, options, zBuffer);
+    if (!quality.isBlended) return scene::resolve(zBuffer);
+    return scene::resolve(zBuffer, scene::warpBlend(blocks, eye, quality.blend, zBuffer));
+}
+
+testing::AssertionResult isSane(const EyeImage& image) {
+    for (int y = 0; y < image.colour.height(); ++y)
+        for (int x = 0; x < image.colour.width(); ++x) {
+            const float depth = image.depthMetres(x, y);
+            const int pixelClass = image.pixelClass(x, y);
+            const bool hasDepth = pixelClass == 0 ? depth == 0.0f : depth >= (pixelClass == 3 ? 0.0f : 0.99e-5f);
+            if (!hasDepth || pixelClass > 3)
+                return testing::AssertionFailure()
+                       << "pixel (" << x << ", " << y << ") of class " << pixelClass << " stands at " << depth << " m";
+        }
+    return testing::AssertionSuccess();
+}
+
+double psnrOf(const EyeImage& a, const EyeImage& b) {
+    double sum = 0;
+    for (std::size_t i = 0; i < a.colour.size(); ++i) {
+        const scene::Rgb8 p = a.colour.pixels()[i], q = b.colour.pixels()[i];
+        sum += (p.r - q.r) * (p.r - q.r) + (p.g - q.g) * (p.g - q.g) + (p.b - q.b) * (p.b - q.b);
+    }
+    const double mean = sum / (3 * static_cast<double>(a.colour.size()));
+    return mean > 0 ? 10 * std::log10(255.0 * 255.0 / mean) : 200;
+}
+
+double shareThatDiffers(const EyeImage& a, const scene::EyeImage& b, int colour) {
+    return shareOf(a, [&](int x, int y) {
+        const scene::Rgb8 p = a.colour(x, y), q = b.colour(x, y);
+        return a.pixelClass(x, y) != b.pixelClass(x, y) || std::abs(p.r - q.r) > colour ||
+               std::abs(p.g - q.g) > colour || std::abs(p.b - q.b) > colour;
+    });
+}
+
+} // namespace render
