@@ -67,6 +67,9 @@ std::uint32_t footprintOf(const glm::dmat4& c, const scene::SampleBox& box, cons
     return static_cast<std::uint32_t>(scene::footprintOf(c, box, scale, most));
 }
 
+/// Pixels.
+constexpr std::uint32_t kSmallStandIn = 4;
+
 /// Order levels that stand-ins are pushed back by: where some of the finer samples are there, those are seen.
 constexpr int kStandInLevels = 2;
 
@@ -259,7 +262,10 @@ void buildDrawList(const SceneIndex& scene, std::span<const ChunkPlace> places, 
         if (!places[tile.chunk].isThere()) return std::nullopt;
         const bool isStandIn = mayStandIn && source.level > 0 && standsIn(number);
         if (source.level > 0 && !isDetailed && !isStandIn) return std::nullopt;
-        const Warp warp = warpOf(tile, isStandIn ? Warp::adaptive : quality.warp);
+        // Where its samples are seen small, squares alone leave no gaps that would be seen.
+        const bool isSmall = isStandIn && footprintOf(source.eyeImageFromSource, boxOf(scene.bounds, number), quality,
+                                                      true) <= kSmallStandIn;
+        const Warp warp = isSmall ? Warp::points : warpOf(tile, isStandIn ? Warp::adaptive : quality.warp);
         if (itemsOf(tile, warp) == 0) return std::nullopt;
         const auto level = scene::orderLevelOf(tile.middle, source.eyeFromCamera, quality.preference);
         if (!level) return std::nullopt;

@@ -23,8 +23,8 @@ struct SourceView {
     bool isNear = true; ///< the camera stands near the eye, by what it mostly sees: all levels of an image alike
 };
 
-/// spheres: of the captured images, to pass over those that lie beside the eye's picture or behind it (as far outside as
-/// marginPixels counts as within); or none.
+/// spheres: of the captured images, to pass over those that lie beside the eye's picture or behind it (as far outside
+/// as marginPixels counts as within); or none.
 std::vector<SourceView> sourceViewsOf(std::span<const ResidentImage> images, const scene::View& eye,
                                       const Quality& quality, std::span<const ImageSphere> spheres = {},
                                       double marginPixels = 0);
@@ -68,8 +68,8 @@ TileDraw tileDrawOf(const glm::dmat4& eyeImageFromSource, const ResidentTile& ti
 
 /// Builds the list of all tiles that have items for this warp and are there, and writes draws (room for
 /// kDrawsPerTile for each tile if anything is missing, else for one). Coarser tiles stand in for finer ones that are
-/// not. sources: one for each of the scene's images. The same bytes on any number of threads. picturePixels: of the eye's image, to divide the list into batches of which each is
-/// likely to hide much of the next; 0: one batch.
+/// not. sources: one for each of the scene's images. The same bytes on any number of threads. picturePixels: of the
+/// eye's image, to divide the list into batches of which each is likely to hide much of the next; 0: one batch.
 void buildDrawList(const SceneIndex& scene, std::span<const ChunkPlace> places, std::span<const SourceView> sources,
                    const VisibleTiles& visible, const Quality& quality, std::span<TileDraw> draws, DrawList& list,
                    double picturePixels = 0);

@@ -42,7 +42,8 @@ struct Quality {
     /// The same for base samples of images that were taken from far away, which are seen only where nobody stood near.
     double farSamplePixels = 0;
 
-    /// Tiles behind what is drawn already are left out. Pictures are the same; it pays where much is hidden.
+    /// Tiles behind what is drawn already are left out. Pictures are the same, but for what would be seen through gaps
+    /// of one or two pixels, where such are filled anyway. It pays where much is hidden.
     bool leavesOutHidden = true;
 
     /// Where no image ever looked is shown as unseen, in a scene that knows (GpuCoverage). False: as emptiness.

@@ -42,9 +42,9 @@ Renderer::Renderer(const Device& device, const GpuScene& scene, int width, int h
                                                 makeWarpPass(device, Warp::mesh, scene.pageLayout(), eyeLayout_),
                                                 makeWarpPass(device, Warp::adaptive, scene.pageLayout(), eyeLayout_),
                                                 makeWarpPass(device, Warp::splats, scene.pageLayout(), eyeLayout_)},
-      occlusion_(makeOcclusionPass(device, eyeLayout_)), blend_(makeBlendPass(device, scene.pageLayout(), eyeLayout_)), resolve_(makeResolvePass(device, eyeLayout_)),
-      rescale_(makeRescalePass(device)), depthPass_(makeDepthPass(device)),
-      overlay_(makeOverlayPass(device, eyeLayout_)), coverage_(coverage),
+      occlusion_(makeOcclusionPass(device, eyeLayout_)), blend_(makeBlendPass(device, scene.pageLayout(), eyeLayout_)),
+      resolve_(makeResolvePass(device, eyeLayout_)), rescale_(makeRescalePass(device)),
+      depthPass_(makeDepthPass(device)), overlay_(makeOverlayPass(device, eyeLayout_)), coverage_(coverage),
       unseen_(coverage != nullptr ? makeUnseenPipeline(device, *coverage, eyeLayout_) : ComputePipeline{}),
       streams_(device, eyes) {
     assert(width > 0 && height > 0 && eyes >= 1 && eyes <= kMaxEyes);
@@ -178,7 +178,7 @@ void Renderer::recordCommands(Eye& eye, const scene::View& view, const Quality& 
         timer.mark(commands, "clear");
 
         recordWarpInBatches(commands, occlusion_, warps_, scene_, eyeSet, eye.warped(), eye.list.runs, eye.warpWidth,
-                            eye.warpHeight);
+                            eye.warpHeight, quality.holes.radius > 0);
         record(commands, kAfterWarp);
         timer.mark(commands, "warp");
 

@@ -161,6 +161,7 @@ void SceneIndex::measure(IndexedChunk& indexed, const scene::TileBlock& block) {
     }
     const double focal = std::sqrt(camera.fx * camera.fy);
     if (glm::all(glm::lessThan(most - least, glm::dvec3(std::numeric_limits<double>::max())))) { // no sky
+        indexed.least = least, indexed.most = most;
         indexed.centre = 0.5 * (least + most);
         indexed.radius = 0.5 * glm::length(most - least);
     }
@@ -168,9 +169,10 @@ void SceneIndex::measure(IndexedChunk& indexed, const scene::TileBlock& block) {
 }
 
 void SceneIndex::findFiner() {
-    // Chunks of a level by the places of its tiles, counted in tiles of the largest size.
+    // A coarse sample is of the first tier that one below it is of: others of that tier may be missing, no more.
+    // Chunks of a level and tier by the places of their tiles, counted in tiles of the largest size.
     constexpr int kCell = scene::kMaxTileSize + 1;
-    std::map<std::tuple<std::uint32_t, std::uint32_t, int, int>, std::vector<std::uint32_t>> at;
+    std::map<std::tuple<std::uint32_t, std::uint32_t, scene::Tier, int, int>, std::vector<std::uint32_t>> at;
     const auto forCells = [](const TileBounds& boxes, std::uint32_t i, int scale, auto&& visit) {
         const auto cell = [&](float v) { return static_cast<int>(v) * scale / kCell; };
         // A vertex may stand one sample outside of its tile: to the right and below.
@@ -182,7 +184,7 @@ void SceneIndex::findFiner() {
         const ResidentImage& image = images[tiles[i].image];
         if (!image.hasCoarser) continue;
         forCells(bounds, i, 1, [&](int x, int y) {
-            std::vector<std::uint32_t>& list = at[{image.captured, image.level, x, y}];
+            std::vector<std::uint32_t>& list = at[{image.captured, image.level, tiles[i].middle.tier, x, y}];
             if (list.empty() || list.back() != tiles[i].chunk) list.push_back(tiles[i].chunk);
         });
     }
@@ -192,7 +194,7 @@ void SceneIndex::findFiner() {
         const std::size_t before = finer_.size();
         if (image.level > 0)
             forCells(bounds, i, 2, [&](int x, int y) {
-                const auto list = at.find({image.captured, image.level - 1, x, y});
+                const auto list = at.find({image.captured, image.level - 1, tiles[i].middle.tier, x, y});
                 if (list != at.end()) finer_.insert(finer_.end(), list->second.begin(), list->second.end());
             });
         const auto first = finer_.begin() + static_cast<std::ptrdiff_t>(before);

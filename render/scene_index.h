@@ -29,8 +29,8 @@ struct ResidentTile {
     std::uint32_t image = 0, chunk = 0; ///< image: of its level
     std::uint32_t firstVertex = 0, pointCount = 0, firstQuad = 0, quadCount = 0;
     std::uint32_t firstFacet = 0, facetCount = 0, firstTexel = 0; ///< firstFacet counts facets
-    std::uint32_t width = 0, height = 0; ///< in samples; a row of texels has one more
-    std::int32_t x0 = 0, y0 = 0;                                                   ///< first sample in the image
+    std::uint32_t width = 0, height = 0;                          ///< in samples; a row of texels has one more
+    std::int32_t x0 = 0, y0 = 0;                                  ///< first sample in the image
     float minDisparity = 0, maxDisparity = 0;
     std::uint32_t placeBits = scene::kPlaceBits;
     scene::TileMiddle middle;
@@ -50,9 +50,10 @@ struct ResidentImage {
 /// unless it reaches to the sky.
 struct IndexedChunk {
     scene::TileChunk chunk;
-    std::uint32_t captured = 0;  ///< its block, too
-    std::uint32_t number = 0;    ///< among the block's
-    std::uint32_t firstTile = 0; ///< in SceneIndex::tiles
+    std::uint32_t captured = 0;   ///< its block, too
+    std::uint32_t number = 0;     ///< among the block's
+    std::uint32_t firstTile = 0;  ///< in SceneIndex::tiles
+    glm::dvec3 least{0}, most{0}; ///< box around them in the world, if it does not reach to the sky
     glm::dvec3 centre{0};
     double radius = std::numeric_limits<double>::infinity();
     double spacing = 0; ///< metres between neighbouring samples where they stand nearest to the camera; sky: radians
@@ -84,8 +85,8 @@ class SceneIndex {
     /// Finds out, once, what finerThan tells: needed where chunks come and go.
     void findFiner();
 
-    /// The chunks of the next finer level in which the samples below a coarser tile's are (or some more): none for
-    /// tiles of level 0, nor before findFiner.
+    /// The chunks of the next finer level and the same tier in which the samples below a coarser tile's are (or some
+    /// more): none for tiles of level 0, nor before findFiner.
     std::span<const std::uint32_t> finerThan(std::uint32_t tile) const {
         if (firstFiner_.empty()) return {};
         return std::span(finer_).subspan(firstFiner_[tile], firstFiner_[tile + 1] - firstFiner_[tile]);

@@ -60,9 +60,9 @@ EyeTarget makeEyeTarget(const Device& device, VkDescriptorSetLayout eyeLayout, i
     const auto occluders = static_cast<std::size_t>(occludersAlong(width) * occludersAlong(height));
     target.occluders = Buffer(device, occluders * sizeof(std::uint32_t), kStorage, MemoryUse::onDevice);
     target.passed = Buffer(device, drawBytes, kStorage, MemoryUse::onDevice);
-    target.passedRuns = Buffer(device, kMostTestedRuns * sizeof(PassedRun),
-                                kStorage | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT,
-                                MemoryUse::onDevice);
+    target.passedRuns =
+        Buffer(device, kMostTestedRuns * sizeof(PassedRun),
+               kStorage | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT, MemoryUse::onDevice);
     target.pool = makeSetPool(device, kFramesInFlight + 1, kEyeBindings);
     const auto makeSet = [&](const Buffer& draws) {
         const std::array<Bound, kEyeBindings.size()> bound{{{draws.handle()},

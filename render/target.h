@@ -26,7 +26,7 @@ struct EyeTarget {
     Buffer depths;     ///< metres along z as float per pixel; mapped
     Buffer holeBlocks; ///< 1 or 0 per block of pixels: whether it holds anything
     BufferView zTexels;
-    Buffer occluders, passed, passedRuns; ///< see shaders/shared/occlusion.h
+    Buffer occluders, passed, passedRuns;      ///< see shaders/shared/occlusion.h
     std::array<Buffer, kFramesInFlight> draws; ///< TileDraw; mapped
     DescriptorPool pool;
     std::array<VkDescriptorSet, kFramesInFlight> sets{};

@@ -98,7 +98,7 @@ void drawPixel(Square s, uint levelAndClass, ivec2 offset)
 void drawCut(vec4 a, vec4 b, vec4 c, uvec3 colours, uint levelAndClass, int myPlace, int lanes)
 {
     Facet facet = facetOfTriangle(a, b, c);
-    PixelBox box = boxOfCut(a, b, c, vec2(constants.width, constants.height));
+    PixelBox box = boxOfCut(a, b, c, c, vec2(constants.width, constants.height));
     FacetView view = turnRound(facet, vec2(box.first) + 0.5f);
     ivec2 extent = max(box.last - box.first + 1, 0);
     for (int i = myPlace; i < extent.x * extent.y; i += lanes) {

@@ -41,7 +41,7 @@ OcclusionPass makeOcclusionPass(const Device& device, VkDescriptorSetLayout eyeL
 
 void recordWarpInBatches(VkCommandBuffer commands, const OcclusionPass& pass, const WarpPasses& warps,
                          const GpuScene& scene, VkDescriptorSet eyeSet, const EyeTarget& target,
-                         std::span<const DrawRun> runs, int width, int height) {
+                         std::span<const DrawRun> runs, int width, int height, bool closesGaps) {
     const auto bind = [&](const ComputePipeline& pipeline) {
         vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline.pipeline);
         vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline.layout, 0, 1, &eyeSet, 0, nullptr);
@@ -64,7 +64,7 @@ void recordWarpInBatches(VkCommandBuffer commands, const OcclusionPass& pass, co
         }
         vkCmdUpdateBuffer(commands, target.passedRuns.handle(), 0, none.size() * sizeof none[0], none.data());
         record(commands, kAfterWarp);
-        const OccluderConstants occluders{width, height};
+        const OccluderConstants occluders{width, height, closesGaps ? 1 : 0};
         bind(pass.occluders);
         vkCmdPushConstants(commands, pass.occluders.layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof occluders,
                            &occluders);

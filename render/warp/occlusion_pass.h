@@ -18,8 +18,9 @@ struct OcclusionPass {
 OcclusionPass makeOcclusionPass(const Device& device, VkDescriptorSetLayout eyeLayout);
 
 /// Draws the runs, batch after batch. The z-buffer must be clear, and is finished behind the caller's next barrier.
+/// closesGaps: what is behind gaps of one or two pixels is left out, too.
 void recordWarpInBatches(VkCommandBuffer commands, const OcclusionPass& pass, const WarpPasses& warps,
                          const GpuScene& scene, VkDescriptorSet eyeSet, const EyeTarget& target,
-                         std::span<const DrawRun> runs, int width, int height);
+                         std::span<const DrawRun> runs, int width, int height, bool closesGaps);
 
 } // namespace render

@@ -1,44 +1,53 @@
-// What a frame costs when the same room stands there once, ten and a hundred times, as the parts of a large site would:
-// the eye stands in one of them and sees all that its walls do not hide.
+// What a frame costs when the same scene stands there once, ten and a hundred times, as the parts of a large site
+// would: the eye stands in one of them, at a place of the scene's own path, and sees all that its walls do not hide.
+// The scene is the one that ./dev demo builds, or another that REVISIT_BENCH_SCENE names.
 
 #include "render/renderer.h"
-#include "scene/pyramid.h"
+#include "scene/scene_file.h"
 #include "tests/render/test_scenes.h"
 
 #include <benchmark/benchmark.h>
+#include <glm/glm.hpp>
 
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <limits>
 #include <memory>
+#include <string>
 
 namespace render {
 namespace {
 
-CutScene takenWithin(int size) {
-    CutScene room;
-    room.images = roomFromWithin(size).images;
-    for (const scene::DepthImage& face : room.images)
-        room.sets.push_back(scene::cutIntoLevels(face, {}));
-    return room;
-}
-
-/// Rooms on a grid, 9 m by 7 m each; the first is where the eye stands. They share what their tiles hold.
-std::vector<scene::TileBlock> manyTimes(const CutScene& room, int across, int deep) {
+/// On a grid, wall to wall. They share what their tiles hold.
+std::vector<scene::TileBlock> manyTimes(const scene::Scene& scene, int across, int deep) {
+    glm::dvec3 least(std::numeric_limits<double>::infinity()), most(-least);
+    for (const IndexedChunk& chunk : SceneIndex(scene.blocks, scene::kChunkBytes).chunks) {
+        if (!std::isfinite(chunk.radius)) continue;
+        least = glm::min(least, chunk.least), most = glm::max(most, chunk.most);
+    }
+    const scene::Pose worldFromWalk = scene::inverse(scene.walkFromWorld);
+    const glm::dvec3 size = most - least, alongX = worldFromWalk.rotation[0], alongZ = worldFromWalk.rotation[2];
+    const double width = glm::dot(glm::abs(alongX), size), depth = glm::dot(glm::abs(alongZ), size);
     std::vector<scene::TileBlock> blocks;
     for (int z = 0; z < deep; ++z)
         for (int x = 0; x < across; ++x)
-            for (scene::TileBlock block : room.blocks()) {
-                block.worldFromCamera.translation += glm::dvec3(9.0 * x, 0, 7.0 * z);
+            for (scene::TileBlock block : scene.blocks) {
+                // On both sides, before and behind.
+                const int columns = (x + 1) / 2 * (x % 2 == 0 ? 1 : -1), rows = (z + 1) / 2 * (z % 2 == 0 ? 1 : -1);
+                block.worldFromCamera.translation += columns * width * alongX + rows * depth * alongZ;
                 blocks.push_back(block);
             }
     return blocks;
 }
 
-/// A site of so many rooms, of which 192 MiB may be on the device.
+/// Of which 128 MiB may be on the device.
 struct Site {
-    Site(const Device& device, const CutScene& room, int across, int deep)
-        : blocks(manyTimes(room, across, deep)), scene(device, blocks, {.budgetBytes = std::size_t{192} << 20}),
+    Site(const Device& device, const scene::Scene& part, int across, int deep)
+        : blocks(manyTimes(part, across, deep)), scene(device, blocks, {.budgetBytes = std::size_t{128} << 20}),
           renderer(device, scene, 640, 480, 2) {}
     std::vector<scene::TileBlock> blocks;
     GpuScene scene;
@@ -53,17 +62,24 @@ double medianOf(std::vector<double> values) {
 
 void areaOfScene(benchmark::State& state, Warp warp) {
     static const Device device;
-    static const CutScene room = takenWithin(577);
+    const char* const given = std::getenv("REVISIT_BENCH_SCENE");
+    const std::string folder = given != nullptr ? given : "demo/room.revisit";
+    if (!std::filesystem::exists(folder)) {
+        state.SkipWithError(("no scene at " + folder + ": run ./dev demo first").c_str());
+        return;
+    }
+    static const scene::Scene part = scene::openScene(folder);
     Quality quality;
     quality.warp = warp;
     quality.samplePixels = 1;
     quality.holes.radius = 4;
-    const auto [left, right] = scene::eyesOf(cameraOf(640, 480, 1.4), poseAt({0.2, 0.1, -0.3}, 0.5, 0.1), 0.063);
+    const auto [left, right] =
+        scene::eyesOf(cameraOf(640, 480, 1.2), part.images[part.images.size() / 2].worldFromCamera, 0.063);
     const std::array views{left, right};
     std::array<std::unique_ptr<Site>, 3> sites;
     constexpr std::array<std::array<int, 2>, 3> kSizes{{{1, 1}, {5, 2}, {10, 10}}};
     for (std::size_t i = 0; i < sites.size(); ++i) {
-        sites[i] = std::make_unique<Site>(device, room, kSizes[i][0], kSizes[i][1]);
+        sites[i] = std::make_unique<Site>(device, part, kSizes[i][0], kSizes[i][1]);
         sites[i]->scene.settle(views, quality);
     }
     std::array<FrameStats, 3> stats;

@@ -128,8 +128,8 @@ TEST_F(EdgeCases, WhatHiddenTilesAreLeftOutOfIsTheSamePicture) {
                 const auto sources = sourceViewsOf(scene.images(), view, with);
                 std::vector<ImagePlanes> planes;
                 for (std::size_t k = 0; k < sources.size(); ++k)
-                    planes.push_back(planesOf(sources[k].eyeImageFromSource, kEye.width, kEye.height, 4,
-                                              scene.images()[k].extent));
+                    planes.push_back(
+                        planesOf(sources[k].eyeImageFromSource, kEye.width, kEye.height, 4, scene.images()[k].extent));
                 cull(scene.bounds(), scene.pieces(), planes, all);
                 buildDrawList(scene.index(), scene.places(), sources, all, with, draws, list,
                               static_cast<double>(kEye.width * kEye.height));

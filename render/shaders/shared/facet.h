@@ -39,6 +39,47 @@ SHARED_FUNCTION Facet facetOf(TileDraw draw, uint mark, float q, float perX, flo
     return facet;
 }
 
+/// Where an edge passes the nearest that is drawn, on the screen. before: can be projected; behind: cannot.
+SHARED_FUNCTION vec2 cutAtNearest(vec4 before, vec4 behind) {
+    // Affine along the edge: at least 0 where the edge is drawn.
+    float here = kMaxEyeDisparity * before.z - before.w, there = kMaxEyeDisparity * behind.z - behind.w;
+    vec4 h = before + clamp(here / max(here - there, 1e-30f), 0.0f, 1.0f) * (behind - before);
+    float inverse = 1.0f / max(h.z, 1e-30f);
+    return vec2(h.x * inverse, h.y * inverse);
+}
+
+/// Whether all of four corners (a triangle has two alike) are beyond one edge of the image, and so is all between them.
+/// Affine in h, so that it does not matter which can be projected.
+SHARED_FUNCTION bool isBeside(vec4 a, vec4 b, vec4 c, vec4 d, vec2 size) {
+    const float beyond = 2.0f; // pixels, since facets are drawn a little beyond their edges
+    vec2 most = size + beyond;
+    float left = max(max(a.x + beyond * a.z, b.x + beyond * b.z), max(c.x + beyond * c.z, d.x + beyond * d.z));
+    float right = max(max(most.x * a.z - a.x, most.x * b.z - b.x), max(most.x * c.z - c.x, most.x * d.z - d.x));
+    float top = max(max(a.y + beyond * a.z, b.y + beyond * b.z), max(c.y + beyond * c.z, d.y + beyond * d.z));
+    float bottom = max(max(most.y * a.z - a.y, most.y * b.z - b.y), max(most.y * c.z - c.y, most.y * d.z - d.y));
+    return min(min(left, right), min(top, bottom)) < 0.0f;
+}
+
+/// The pixels that may see a polygon of four corners in turn (a triangle has two alike), some of which cannot be
+/// projected.
+SHARED_FUNCTION PixelBox boxOfCut(vec4 a, vec4 b, vec4 c, vec4 d, vec2 size) {
+    vec2 low = vec2(1e30f), high = vec2(-1e30f);
+    for (int i = 0; i < 4; ++i) {
+        vec4 from = i == 0 ? a : i == 1 ? b : i == 2 ? c : d, to = i == 0 ? b : i == 1 ? c : i == 2 ? d : a;
+        bool isBefore = isBeforeEye(from);
+        if (isBefore) {
+            vec3 seen = project(from);
+            low = min(low, vec2(seen.x, seen.y));
+            high = max(high, vec2(seen.x, seen.y));
+        }
+        if (isBefore == isBeforeEye(to)) continue;
+        vec2 cut = isBefore ? cutAtNearest(from, to) : cutAtNearest(to, from);
+        low = min(low, cut);
+        high = max(high, cut);
+    }
+    return pixelsOf(low, high, size);
+}
+
 /// The pixels that may see it: the box of its corners, or the whole image where one of them cannot be projected.
 SHARED_FUNCTION PixelBox boxOf(Facet facet, vec2 size) {
     vec4 right = facet.corner + facet.side * facet.perX, down = facet.corner + facet.side * facet.perY;
@@ -49,7 +90,7 @@ SHARED_FUNCTION PixelBox boxOf(Facet facet, vec2 size) {
     box.last = ivec2(-1);
     if (!a && !b && !c && !d) return box;
     if (!(a && b && c && d)) {
-        box.last = ivec2(size) - 1;
+        if (!isBeside(facet.corner, right, across, down, size)) box.last = ivec2(size) - 1;
         return box;
     }
     vec3 p = project(facet.corner), q = project(right), r = project(down), s = project(across);
@@ -68,34 +109,6 @@ SHARED_FUNCTION Facet facetOfTriangle(vec4 a, vec4 b, vec4 c) {
     facet.isUpper = true;
     facet.isLower = false;
     return facet;
-}
-
-/// Where an edge passes the nearest that is drawn, on the screen. before: can be projected; behind: cannot.
-SHARED_FUNCTION vec2 cutAtNearest(vec4 before, vec4 behind) {
-    // Affine along the edge: at least 0 where the edge is drawn.
-    float here = kMaxEyeDisparity * before.z - before.w, there = kMaxEyeDisparity * behind.z - behind.w;
-    vec4 h = before + clamp(here / max(here - there, 1e-30f), 0.0f, 1.0f) * (behind - before);
-    float inverse = 1.0f / max(h.z, 1e-30f);
-    return vec2(h.x * inverse, h.y * inverse);
-}
-
-/// The pixels that may see such a triangle.
-SHARED_FUNCTION PixelBox boxOfCut(vec4 a, vec4 b, vec4 c, vec2 size) {
-    vec2 low = vec2(1e30f), high = vec2(-1e30f);
-    for (int i = 0; i < 3; ++i) {
-        vec4 from = i == 0 ? a : i == 1 ? b : c, to = i == 0 ? b : i == 1 ? c : a;
-        bool isBefore = isBeforeEye(from);
-        if (isBefore) {
-            vec3 seen = project(from);
-            low = min(low, vec2(seen.x, seen.y));
-            high = max(high, vec2(seen.x, seen.y));
-        }
-        if (isBefore == isBeforeEye(to)) continue;
-        vec2 cut = isBefore ? cutAtNearest(from, to) : cutAtNearest(to, from);
-        low = min(low, cut);
-        high = max(high, cut);
-    }
-    return pixelsOf(low, high, size);
 }
 
 /// Turned round, with (u, v, 1) from some pixel's centre: x = dot(x, (u, v, 1)) / dot(perW, (u, v, 1)), y alike;
