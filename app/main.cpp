@@ -153,7 +153,7 @@ void addRender(CLI::App& program, app::RenderOptions& options, std::string& size
         ->check(CLI::IsMember({1, 2}));
     render->add_flag("--aux", options.aux, "write depth and class, too");
     addDrawOptions(*render, options.draw);
-    render->add_option("--memory", memory, "what the scene may take, e.g. 8G")->capture_default_str();
+    render->add_option("--memory", memory, "what of the scene may be loaded at a time, e.g. 8G")->capture_default_str();
     addThreads(*render, threads);
     refuse(*render, "--overlay", "walk cells");
     render->footer("Examples:\n"
@@ -186,7 +186,7 @@ void addWalk(CLI::App& program, app::WalkOptions& options, std::string& size, st
         "--fixed-quality", [&] { options.holdsRate = false; }, "draw as asked, however long it takes");
     walk->add_option("--size", size, "WxH of an eye without a display; default 640x480");
     addDrawOptions(*walk, options.draw);
-    walk->add_option("--memory", memory, "what the scene may take, e.g. 8G")->capture_default_str();
+    walk->add_option("--memory", memory, "what of the scene may be loaded at a time, e.g. 8G")->capture_default_str();
     addThreads(*walk, threads);
     walk->footer(
         "Examples:\n"
@@ -217,7 +217,8 @@ void addMeasure(CLI::App& program, app::MeasureOptions& options, std::string& si
         ->delimiter(',')
         ->excludes(settings);
     addDrawOptions(*measure, options.draw);
-    measure->add_option("--memory", memory, "what the scene may take, e.g. 8G")->capture_default_str();
+    measure->add_option("--memory", memory, "what of the scene may be loaded at a time, e.g. 8G")
+        ->capture_default_str();
     addThreads(*measure, threads);
     measure->footer(
         "Every setting is drawn at every place in turn, so that what else the machine does meets all alike.\n"

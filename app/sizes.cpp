@@ -8,7 +8,7 @@
 namespace app {
 
 std::size_t parseBytes(const std::string& text) {
-    constexpr std::size_t kSmallest = std::size_t{16} << 20;
+    constexpr std::size_t kSmallest = std::size_t{1} << 20;
     constexpr double kLargest = 1e15;
     double value = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -22,7 +22,7 @@ std::size_t parseBytes(const std::string& text) {
     if (unit == "T" || unit == "t") factor = 1024.0 * 1024 * 1024 * 1024;
     const double bytes = value * factor;
     if (error != std::errc() || !(bytes >= static_cast<double>(kSmallest)) || !(bytes <= kLargest))
-        throw CLI::ValidationError("--memory " + text, "is not a size of at least 16M; write e.g. 8G");
+        throw CLI::ValidationError("--memory " + text, "is not a size of at least 1M; write e.g. 8G");
     return static_cast<std::size_t>(bytes);
 }
 

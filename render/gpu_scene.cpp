@@ -104,6 +104,7 @@ void GpuScene::fill(const Device& device, std::span<const scene::TileBlock> bloc
                     writePlaceholder(block, chunk.chunk, to);
                 else
                     scene::copyChunk(block, chunk.chunk, to);
+                scene::releaseChunk(block, chunk.chunk);
             });
         });
     for (const std::uint32_t chunk : chunks)

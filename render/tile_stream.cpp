@@ -322,6 +322,7 @@ bool TileStream::load(std::uint32_t number) {
         writePlaceholder(block, chunk.chunk, to);
     else
         scene::copyChunk(block, chunk.chunk, to);
+    scene::releaseChunk(block, chunk.chunk);
     {
         const std::lock_guard lock(mutex_);
         states_[number] = State::there;

@@ -203,7 +203,8 @@ std::optional<Pick> pick(std::span<const TileBlock> blocks, const Ray& ray, cons
         const auto lend = [&](std::vector<TileBlock>& into, std::span<const Tile> tiles,
                               std::span<const TileVertex> vertices) {
             if (!tiles.empty())
-                into.push_back({block.camera, block.worldFromCamera, tiles, {}, vertices, block.quads, {}, {}, {}});
+                into.push_back(
+                    {block.camera, block.worldFromCamera, tiles, {}, vertices, block.quads, {}, {}, {}, false});
         };
         lend(seen, candidates[i].seen, block.vertices);
         lend(guesses, candidates[i].guesses, block.vertices);

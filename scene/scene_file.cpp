@@ -152,7 +152,7 @@ TileBlock lendBlock(std::span<const std::byte> bytes, const BlockEntry& entry, c
         part = {reinterpret_cast<const T*>(at), count};
         at += count * sizeof(T);
     };
-    TileBlock block{camera, worldFromCamera, {}, {}, {}, {}, {}, {}, {}};
+    TileBlock block{camera, worldFromCamera, {}, {}, {}, {}, {}, {}, {}, true};
     next(block.tiles, entry.tileCount), next(block.coarser, entry.coarserCount);
     next(block.chunkSums, entry.chunkCount);
     next(block.vertices, entry.vertexCount), next(block.quads, entry.quadCount);

@@ -134,10 +134,12 @@ struct TileBlock {
     std::span<const TileTexel> texels;
     /// By chunk (scene/tile_chunks.h), where what the tiles hold is yet to be checked when it is first needed.
     std::span<const std::uint64_t> chunkSums;
+    bool isMapped = false; ///< from a file: memory that it takes can be given back, and is read again when needed
 };
 
 inline TileBlock lend(const TileSet& set, const Camera& camera, const Pose& worldFromCamera) {
-    return {camera, worldFromCamera, set.tiles, set.coarser, set.vertices, set.quads, set.facets, set.texels, {}};
+    return {camera,    worldFromCamera, set.tiles,  set.coarser, set.vertices,
+            set.quads, set.facets,      set.texels, {},          false};
 }
 
 /// Cuts an image into tiles of tileSize x tileSize samples (1 to kMaxTileSize). A sample is kept if it is drawable and

@@ -6,6 +6,9 @@
 #include <cstring>
 #include <memory>
 
+#include <sys/mman.h>
+#include <unistd.h>
+
 #include <xxhash.h>
 
 namespace scene {
@@ -102,6 +105,17 @@ void copyChunk(const TileBlock& block, const TileChunk& chunk, std::byte* to) {
     for (const std::span<const std::byte> part : partsOf(block, chunk)) {
         if (!part.empty()) std::memcpy(to, part.data(), part.size());
         to += part.size();
+    }
+}
+
+void releaseChunk(const TileBlock& block, const TileChunk& chunk) {
+    if (!block.isMapped) return;
+    static const auto kPage = static_cast<std::uintptr_t>(sysconf(_SC_PAGESIZE));
+    for (const std::span<const std::byte> part : partsOf(block, chunk)) {
+        // Whole pages: what lies beside may be in use, and costs nothing but a look at the system's cache if it is.
+        const auto first = (reinterpret_cast<std::uintptr_t>(part.data()) + kPage - 1) / kPage * kPage;
+        const auto end = reinterpret_cast<std::uintptr_t>(part.data() + part.size()) / kPage * kPage;
+        if (first < end) madvise(reinterpret_cast<void*>(first), end - first, MADV_DONTNEED);
     }
 }
 

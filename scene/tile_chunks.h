@@ -60,4 +60,7 @@ class SoundTiles {
 /// Copies what a chunk holds, chunk.bytes() in all: facets, vertices, quads, texels.
 void copyChunk(const TileBlock& block, const TileChunk& chunk, std::byte* to);
 
+/// Gives back the memory that a chunk of a mapped file took in this process; it is read again when it is looked at.
+void releaseChunk(const TileBlock& block, const TileChunk& chunk);
+
 } // namespace scene

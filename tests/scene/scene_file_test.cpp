@@ -204,6 +204,16 @@ TEST_F(SceneFile, ComesBack) {
     EXPECT_EQ(scene.manifest, manifest_);
 }
 
+TEST_F(SceneFile, WhatIsGivenBackIsReadAgain) {
+    const Scene scene = openScene(folder());
+    for (const TileBlock& block : scene.blocks) {
+        EXPECT_TRUE(block.isMapped);
+        for (const TileChunk& chunk : chunksOf(block))
+            releaseChunk(block, chunk);
+    }
+    EXPECT_TRUE(isWhole(scene));
+}
+
 TEST_F(SceneFile, AnyFlippedBitOfTheTilesIsRefusedOrLiesBetweenBlocks) {
     std::size_t unnoticed = 0;
     for (std::size_t at = 0; at < tiles_.size(); ++at) {

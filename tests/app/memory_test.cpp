@@ -1,0 +1,115 @@
+// A scene that may take less memory than it is large, or of which something was damaged, drawn by the program.
+
+#include "tests/app/comparison.h"
+#include "tests/app/program.h"
+#include "tests/scene/scratch_folder.h"
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include <opencv2/imgcodecs.hpp>
+
+#include <algorithm>
+#include <fstream>
+
+namespace app {
+
+namespace {
+
+const std::string kRevisit = REVISIT_PROGRAM, kMakeSample = REVISIT_MAKE_SAMPLE;
+
+class MemoryOfScene : public testing::Test {
+  protected:
+    static void SetUpTestSuite() {
+        scratch_ = new scene::ScratchFolder;
+        const Outcome made =
+            run({kMakeSample, path("capture"), "--scene", "room", "--images", "10", "--size", "320x240"}, folder());
+        ASSERT_EQ(made.status, 0) << made.output;
+        const Outcome built =
+            run({kRevisit, "build", path("capture"), "-o", path("room.revisit"), "--hold-out", "every:5:2"}, folder());
+        ASSERT_EQ(built.status, 0) << built.output;
+    }
+    static void TearDownTestSuite() { delete scratch_; }
+
+    static std::filesystem::path folder() { return scratch_->path(); }
+    static std::string path(const std::string& name) { return (folder() / name).string(); }
+
+    static Outcome render(const std::string& scene, const std::string& out, std::vector<std::string> further = {}) {
+        std::vector<std::string> command{kRevisit, "render", path(scene), "--out", path(out), "--aux"};
+        command.insert(command.end(), further.begin(), further.end());
+        return run(command, folder());
+    }
+
+    /// Pictures by name.
+    static std::vector<cv::Mat> picturesIn(const std::string& out, const std::string& ending) {
+        std::vector<std::filesystem::path> files;
+        for (const auto& entry : std::filesystem::directory_iterator(path(out)))
+            if (entry.path().string().ends_with(ending)) files.push_back(entry.path());
+        std::sort(files.begin(), files.end());
+        std::vector<cv::Mat> pictures;
+        for (const auto& file : files)
+            pictures.push_back(cv::imread(file.string(), cv::IMREAD_UNCHANGED));
+        return pictures;
+    }
+
+  private:
+    static inline scene::ScratchFolder* scratch_ = nullptr;
+};
+
+TEST_F(MemoryOfScene, LessThanAllIsEnoughAndDrawsTheSameTwice) {
+    ASSERT_EQ(render("room.revisit", "whole").status, 0);
+    const nlohmann::json whole = readJson(path("whole/report.json"));
+    EXPECT_FALSE(whole.contains("stream"));
+    for (const char* out : {"less", "again"}) {
+        const Outcome drawn = render("room.revisit", out, {"--memory", "4M"});
+        ASSERT_EQ(drawn.status, 0) << drawn.output;
+    }
+    const nlohmann::json less = readJson(path("less/report.json"));
+    EXPECT_LE(less.at("bytes_resident"), 4 << 20);
+    EXPECT_GT(whole.at("bytes_resident"), 8 << 20);
+    EXPECT_GT(less.at("stream").at("chunks_loaded"), 0);
+    const auto classes = picturesIn("less", "-class.png"), all = picturesIn("whole", "-class.png");
+    ASSERT_EQ(classes.size(), 2u);
+    for (std::size_t i = 0; i < classes.size(); ++i) {
+        const cv::Mat vanished = (classes[i] == 0) & (all[i] != 0);
+        EXPECT_LE(cv::countNonZero(vanished), 1e-3 * static_cast<double>(vanished.total())) << "nothing vanishes";
+    }
+    const auto first = picturesIn("less", ".png"), second = picturesIn("again", ".png");
+    for (std::size_t i = 0; i < first.size(); ++i)
+        EXPECT_EQ(cv::norm(first[i], second[i], cv::NORM_INF), 0);
+}
+
+TEST_F(MemoryOfScene, TooLittleIsRefusedInALine) {
+    const Outcome drawn = render("room.revisit", "none", {"--memory", "1M"});
+    EXPECT_EQ(drawn.status, 1);
+    EXPECT_NE(drawn.output.find("--memory"), std::string::npos) << drawn.output;
+    EXPECT_EQ(std::count(drawn.output.begin(), drawn.output.end(), '\n'), 1) << drawn.output;
+}
+
+TEST_F(MemoryOfScene, WhatIsDamagedIsToldOnceAndTheRestIsDrawn) {
+    ASSERT_EQ(render("room.revisit", "sound").status, 0);
+    std::filesystem::copy(path("room.revisit"), path("hurt.revisit"), std::filesystem::copy_options::recursive);
+    const std::string tiles = path("hurt.revisit/tiles.bin");
+    const auto size = static_cast<std::streamoff>(std::filesystem::file_size(tiles));
+    std::fstream file(tiles, std::ios::binary | std::ios::in | std::ios::out);
+    file.seekp(size / 2);
+    file.write("vandals were here", 17);
+    file.close();
+    const Outcome drawn = render("hurt.revisit", "hurt");
+    EXPECT_EQ(drawn.status, 0) << drawn.output;
+    const std::string says = "tiles.bin: what image ";
+    const auto at = drawn.output.find(says);
+    ASSERT_NE(at, std::string::npos) << drawn.output;
+    EXPECT_EQ(drawn.output.find(says, at + 1), std::string::npos) << "once:\n" << drawn.output;
+    EXPECT_NE(drawn.output.find("drawn as unseen"), std::string::npos) << drawn.output;
+    EXPECT_EQ(readJson(path("hurt/report.json")).at("damaged_chunks"), 1);
+    const auto hurt = picturesIn("hurt", "-class.png"), sound = picturesIn("sound", "-class.png");
+    for (std::size_t i = 0; i < hurt.size(); ++i) {
+        const cv::Mat lost = (hurt[i] == 0) & (sound[i] != 0);
+        EXPECT_LE(cv::countNonZero(lost), 0.01 * static_cast<double>(lost.total())) << "not shown as emptiness";
+    }
+}
+
+} // namespace
+} // namespace app
