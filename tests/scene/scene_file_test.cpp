@@ -291,7 +291,7 @@ TEST_F(SceneFile, ImpossibleTilesWithRightChecksumsAreRefused) {
     refused("beyond its block", at(&Tile::pointCount, kMost32));
     refused("beyond its block", at(&Tile::firstQuad, kMost32));
     refused("beyond its block", at(&Tile::quadCount, kMost32));
-    refused("not sound", [](Tile& tile) { tile.vertexCount = tile.pointCount = 0; });
+    refused("number of chunks", [](Tile& tile) { tile.vertexCount = tile.pointCount = 0; });
 }
 
 TEST_F(SceneFile, AnyFlippedBitOfTheManifestIsRefusedOrStillAScene) {
