@@ -143,8 +143,10 @@ std::vector<Knob> makeKnobs() {
             "the same for what was taken from far away and is seen only where nothing nearer was", {0, 64},
             {0, 1, 2, 3}, [](auto& q) -> auto& { return q.farSamplePixels; }),
         yesOrNo(
-            "leave_out_hidden", "tiles behind what is drawn already are left out; pictures are the same", {false},
-            [](auto& q) -> auto& { return q.leavesOutHidden; }),
+            "leave_out_hidden",
+            "tiles behind what is drawn already are left out; pictures are the same but for gaps that are filled "
+            "anyway",
+            {false}, [](auto& q) -> auto& { return q.leavesOutHidden; }),
         number(
             "near_baseline", "",
             "images taken from within this share of a surface's distance are preferred there; 0: the nearest sample "

@@ -338,7 +338,12 @@ void Walk::draw(WalkStage& stage, xr::ViewSource& source, const xr::Frame& frame
     if (isDesk(source) || (deskSide_ != nullptr && deskSide_->desk.wantsPicture())) renderer.keepNext();
     fillOverlay(source);
     drawn_ = without(governed_ ? governed_->next(knobs_.quality, renderer.frames()) : knobs_.quality, givenUp_);
-    stage.gpuScene().follow(std::span(views).first(eyes), drawn_);
+    if (options_.isHeadless && stage.gpuScene().isStreamed()) {
+        if (renderer.frames() > 0) renderer.finish(); // nobody waits, and pictures must not hang on the disk
+        stage.gpuScene().settle(std::span(views).first(eyes), drawn_);
+    } else {
+        stage.gpuScene().follow(std::span(views).first(eyes), drawn_);
+    }
     for (const std::string& sentence : damage_.news(stage.gpuScene(), scene_))
         say(sentence);
     stats_ = renderer.draw(std::span(views).first(eyes), drawn_, std::span(outputs).first(eyes), &overlay_);

@@ -28,9 +28,8 @@ bool mayCount(const TilePiece& piece, const glm::dvec3& eyeFromCamera, const sce
 
 } // namespace
 
-void buildBlendList(const SceneIndex& scene, std::span<const ChunkPlace> places, std::span<const SourceView> sources,
-                    const VisibleTiles& visible, const scene::BlendOptions& options, std::span<BlendDraw> draws,
-                    BlendList& list) {
+void chooseBlendDraws(const SceneIndex& scene, std::span<const ChunkPlace> places, std::span<const SourceView> sources,
+                      const VisibleTiles& visible, const scene::BlendOptions& options, BlendList& list) {
     const std::vector<ResidentTile>& tiles = scene.tiles;
     const std::vector<TilePiece>& pieces = scene.pieces;
     const float unit = scene::blendUnitOf(sources.size());
@@ -71,7 +70,12 @@ void buildBlendList(const SceneIndex& scene, std::span<const ChunkPlace> places,
             list.spots[list.tiles] = list.spots[place];
             ++list.tiles;
         }
+}
 
+void writeBlendDraws(const SceneIndex& scene, std::span<const ChunkPlace> places, std::span<const SourceView> sources,
+                     const BlendList& list, std::span<BlendDraw> draws) {
+    const std::vector<ResidentTile>& tiles = scene.tiles;
+    const float unit = scene::blendUnitOf(sources.size());
     const tbb::blocked_range<std::size_t> all(0, list.tiles, kDrawsPerTask);
     tbb::parallel_for(all, [&](const tbb::blocked_range<std::size_t>& range) {
         for (std::size_t i = range.begin(); i < range.end(); ++i) {

@@ -21,9 +21,12 @@ struct BlendList {
     std::vector<std::uint32_t> counts;
 };
 
-/// As buildDrawList. sources: one for each captured image; coarser levels are left out.
-void buildBlendList(const SceneIndex& scene, std::span<const ChunkPlace> places, std::span<const SourceView> sources,
-                    const VisibleTiles& visible, const scene::BlendOptions& options, std::span<BlendDraw> draws,
-                    BlendList& list);
+/// As chooseDraws. sources: one for each captured image; coarser levels are left out.
+void chooseBlendDraws(const SceneIndex& scene, std::span<const ChunkPlace> places, std::span<const SourceView> sources,
+                      const VisibleTiles& visible, const scene::BlendOptions& options, BlendList& list);
+
+/// As writeDraws.
+void writeBlendDraws(const SceneIndex& scene, std::span<const ChunkPlace> places, std::span<const SourceView> sources,
+                     const BlendList& list, std::span<BlendDraw> draws);
 
 } // namespace render

@@ -13,6 +13,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cassert>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -197,6 +198,12 @@ std::uint32_t bucketOf(const DrawList::Chosen& chosen, const std::array<std::uin
     return (2 * batch + isFar) * kWarps + kRank[static_cast<std::size_t>(chosen.warp)];
 }
 
+/// Whether all of a coarse tile is of the level that is asked for, or of a coarser one: then it stands for nothing.
+bool isWhollyWanted(const SourceView& source, const scene::SampleBox& box, double samplePixels) {
+    const std::optional<vec4> detail = detailOf(source, box, samplePixels, false);
+    return detail && detail->x == 0.0f;
+}
+
 } // namespace
 
 TileDraw tileDrawOf(const glm::dmat4& c, const ResidentTile& tile, int orderLevel) {
@@ -242,9 +249,8 @@ std::vector<SourceView> sourceViewsOf(std::span<const ResidentImage> images, con
     return views;
 }
 
-void buildDrawList(const SceneIndex& scene, std::span<const ChunkPlace> places, std::span<const SourceView> sources,
-                   const VisibleTiles& visible, const Quality& quality, std::span<TileDraw> draws, DrawList& list,
-                   double picturePixels) {
+void chooseDraws(const SceneIndex& scene, std::span<const ChunkPlace> places, std::span<const SourceView> sources,
+                 const VisibleTiles& visible, const Quality& quality, DrawList& list, double picturePixels) {
     const bool isDetailed = hasDetail(quality);
     const bool mayStandIn = hasGaps(places);
     const auto standsIn = [&](std::uint32_t number) {
@@ -260,7 +266,9 @@ void buildDrawList(const SceneIndex& scene, std::span<const ChunkPlace> places, 
         const ResidentTile& tile = scene.tiles[number];
         const SourceView& source = sources[tile.image];
         if (!places[tile.chunk].isThere()) return std::nullopt;
-        const bool isStandIn = mayStandIn && source.level > 0 && standsIn(number);
+        const bool isStandIn =
+            mayStandIn && source.level > 0 && standsIn(number) &&
+            !(isDetailed && isWhollyWanted(source, boxOf(scene.bounds, number), samplePixelsOf(source, tile)));
         if (source.level > 0 && !isDetailed && !isStandIn) return std::nullopt;
         // Where its samples are seen small, squares alone leave no gaps that would be seen.
         const bool isSmall = isStandIn && footprintOf(source.eyeImageFromSource, boxOf(scene.bounds, number), quality,
@@ -351,7 +359,11 @@ void buildDrawList(const SceneIndex& scene, std::span<const ChunkPlace> places, 
         ++list.runs.back().count;
         list.items += itemsOf(tile, chosen.warp);
     }
+}
 
+void writeDraws(const SceneIndex& scene, std::span<const ChunkPlace> places, std::span<const SourceView> sources,
+                const Quality& quality, const DrawList& list, std::span<TileDraw> draws) {
+    assert(draws.size() >= list.tiles);
     const tbb::blocked_range<std::size_t> all(0, list.tiles, kDrawsPerTask);
     tbb::parallel_for(all, [&](const tbb::blocked_range<std::size_t>& range) {
         for (std::size_t i = range.begin(); i < range.end(); ++i) {

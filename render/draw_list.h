@@ -66,12 +66,14 @@ inline constexpr int kWidestStandIn = 64;
 /// page. C is multiplied out in double precision and only then rounded.
 TileDraw tileDrawOf(const glm::dmat4& eyeImageFromSource, const ResidentTile& tile, int orderLevel = 0);
 
-/// Builds the list of all tiles that have items for this warp and are there, and writes draws (room for
-/// kDrawsPerTile for each tile if anything is missing, else for one). Coarser tiles stand in for finer ones that are
-/// not. sources: one for each of the scene's images. The same bytes on any number of threads. picturePixels: of the
-/// eye's image, to divide the list into batches of which each is likely to hide much of the next; 0: one batch.
-void buildDrawList(const SceneIndex& scene, std::span<const ChunkPlace> places, std::span<const SourceView> sources,
-                   const VisibleTiles& visible, const Quality& quality, std::span<TileDraw> draws, DrawList& list,
-                   double picturePixels = 0);
+/// Chooses all tiles that have items for this warp and are there, and puts them in order. Coarser tiles stand in for
+/// finer ones that are not there. sources: one for each of the scene's images. picturePixels: of the eye's image, to
+/// divide the list into batches of which each is likely to hide much of the next; 0: one batch.
+void chooseDraws(const SceneIndex& scene, std::span<const ChunkPlace> places, std::span<const SourceView> sources,
+                 const VisibleTiles& visible, const Quality& quality, DrawList& list, double picturePixels = 0);
+
+/// Writes the draws of what was chosen, list.tiles in all. The same bytes on any number of threads.
+void writeDraws(const SceneIndex& scene, std::span<const ChunkPlace> places, std::span<const SourceView> sources,
+                const Quality& quality, const DrawList& list, std::span<TileDraw> draws);
 
 } // namespace render

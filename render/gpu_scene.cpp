@@ -10,6 +10,7 @@
 #include <array>
 #include <cassert>
 #include <numeric>
+#include <optional>
 #include <utility>
 
 namespace render {
@@ -77,14 +78,21 @@ void GpuScene::holdSome(const Device& device, std::span<const scene::TileBlock> 
                                      static_cast<std::uint32_t>(memory.pageBytes / kTexelBytes) / 2 * 2);
     const std::size_t rest = memory.budgetBytes % memory.pageBytes;
     if (rest >= scene::kChunkBytes) pages.push_back(static_cast<std::uint32_t>(rest / kTexelBytes) / 2 * 2);
-    pool_ = std::make_unique<TilePool>(device, pages);
     std::vector<RangeAllocator> free;
     for (const std::uint32_t texels : pages)
         free.emplace_back(texels);
-    for (const std::uint32_t chunk : kept)
-        for (std::uint32_t page = 0; page < free.size() && !places_[chunk].isThere(); ++page)
-            if (const auto first = free[page].take(evenTexels(index_.chunks[chunk].chunk.bytes())))
-                places_[chunk] = {page, *first, false};
+    for (const std::uint32_t chunk : kept) {
+        const std::uint32_t texels = evenTexels(index_.chunks[chunk].chunk.bytes());
+        std::optional<std::uint32_t> first;
+        for (std::uint32_t page = 0; page < free.size() && !first; ++page)
+            if ((first = free[page].take(texels))) places_[chunk] = {page, *first, false};
+        if (first) continue;
+        // What is kept must be there, even if the ends of pages took what was left.
+        pages.push_back(static_cast<std::uint32_t>(std::min(memory.pageBytes, 8 * scene::kChunkBytes) / kTexelBytes));
+        free.emplace_back(pages.back());
+        places_[chunk] = {static_cast<std::uint32_t>(pages.size() - 1), free.back().take(texels).value(), false};
+    }
+    pool_ = std::make_unique<TilePool>(device, pages);
     fill(device, blocks, kept);
     stream_ = std::make_unique<TileStream>(device, index_, blocks, *pool_, kept, std::move(free), memory.isStaged);
 }

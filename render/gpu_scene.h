@@ -1,7 +1,7 @@
 #pragma once
 // A scene on the device: all of it, or, where it is larger than what it may take, as much as the eyes want most.
 
-#include "render/draw_list.h"
+#include "render/quality.h"
 #include "render/scene_index.h"
 #include "render/tile_pool.h"
 #include "render/tile_stream.h"
@@ -48,9 +48,6 @@ class GpuScene {
     std::size_t bytesResident() const { return pool_->bytes(); }
     VkDescriptorSetLayout pageLayout() const { return pool_->layout(); }
     VkDescriptorSet pageSet(std::size_t page) const { return pool_->setOf(page); }
-
-    /// Of an eye's list, at most.
-    std::size_t mostDraws() const { return (isStreamed() ? kDrawsPerTile : 1) * tiles().size(); }
 
     /// Whether only part of the scene is there at a time.
     bool isStreamed() const { return stream_ != nullptr; }

@@ -91,6 +91,20 @@ DescriptorPool makeSetPool(const Device& device, std::size_t sets, std::span<con
     return {device, pool};
 }
 
+void rebind(const Device& device, VkDescriptorSet set, std::uint32_t binding, const Bound& buffer) {
+    const bool isTexels = buffer.texels != VK_NULL_HANDLE;
+    const VkDescriptorBufferInfo whole{buffer.buffer, 0, VK_WHOLE_SIZE};
+    VkWriteDescriptorSet write{};
+    write.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET;
+    write.dstSet = set;
+    write.dstBinding = binding;
+    write.descriptorCount = 1;
+    write.descriptorType = typeOf(isTexels ? Binding::texels : Binding::storage);
+    write.pBufferInfo = &whole;
+    write.pTexelBufferView = &buffer.texels;
+    vkUpdateDescriptorSets(device, 1, &write, 0, nullptr);
+}
+
 VkDescriptorSet allocateSet(const Device& device, VkDescriptorPool pool, VkDescriptorSetLayout layout,
                             std::span<const Bound> buffers) {
     VkDescriptorSetAllocateInfo allocate{};
@@ -101,19 +115,8 @@ VkDescriptorSet allocateSet(const Device& device, VkDescriptorPool pool, VkDescr
     VkDescriptorSet set = VK_NULL_HANDLE;
     check(vkAllocateDescriptorSets(device, &allocate, &set));
 
-    for (std::size_t i = 0; i < buffers.size(); ++i) {
-        const bool isTexels = buffers[i].texels != VK_NULL_HANDLE;
-        const VkDescriptorBufferInfo whole{buffers[i].buffer, 0, VK_WHOLE_SIZE};
-        VkWriteDescriptorSet write{};
-        write.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET;
-        write.dstSet = set;
-        write.dstBinding = static_cast<std::uint32_t>(i);
-        write.descriptorCount = 1;
-        write.descriptorType = typeOf(isTexels ? Binding::texels : Binding::storage);
-        write.pBufferInfo = &whole;
-        write.pTexelBufferView = &buffers[i].texels;
-        vkUpdateDescriptorSets(device, 1, &write, 0, nullptr);
-    }
+    for (std::size_t i = 0; i < buffers.size(); ++i)
+        rebind(device, set, static_cast<std::uint32_t>(i), buffers[i]);
     return set;
 }
 

@@ -46,4 +46,7 @@ struct Bound {
 VkDescriptorSet allocateSet(const Device& device, VkDescriptorPool pool, VkDescriptorSetLayout layout,
                             std::span<const Bound> buffers);
 
+/// Puts another buffer at a binding of a set that nothing is using.
+void rebind(const Device& device, VkDescriptorSet set, std::uint32_t binding, const Bound& buffer);
+
 } // namespace render

@@ -18,6 +18,8 @@ double marginOf(const Quality& quality, const GpuScene& scene) {
     return quality.isBlended ? std::max(margin, static_cast<double>(quality.blend.maxRadius) + 1.0) : margin;
 }
 
+constexpr std::size_t kFirstBlendDraws = 4096;
+
 constexpr VkPipelineStageFlags kCompute = VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT;
 constexpr VkPipelineStageFlags kTransfer = VK_PIPELINE_STAGE_TRANSFER_BIT;
 constexpr VkAccessFlags kRead = VK_ACCESS_SHADER_READ_BIT, kWrite = VK_ACCESS_SHADER_WRITE_BIT;
@@ -49,7 +51,7 @@ Renderer::Renderer(const Device& device, const GpuScene& scene, int width, int h
       streams_(device, eyes) {
     assert(width > 0 && height > 0 && eyes >= 1 && eyes <= kMaxEyes);
     for (int eye = 0; eye < eyes; ++eye)
-        eyes_.push_back({.target = makeEyeTarget(device, eyeLayout_, width, height, scene.mostDraws()),
+        eyes_.push_back({.target = makeEyeTarget(device, eyeLayout_, width, height),
                          .timers = {StepTimer(device), StepTimer(device)}});
 }
 
@@ -68,7 +70,12 @@ FrameStats Renderer::draw(std::span<const scene::View> views, const Quality& qua
     chooseResolution(quality);
     tbb::parallel_for(std::size_t{0}, eyes_.size(), [&](std::size_t i) {
         const int index = static_cast<int>(i);
-        prepare(eyes_[i], views[i], quality, slot, index);
+        choose(eyes_[i], views[i], quality, index);
+    });
+    makeRoom(quality);
+    tbb::parallel_for(std::size_t{0}, eyes_.size(), [&](std::size_t i) {
+        const int index = static_cast<int>(i);
+        list(eyes_[i], quality, slot, index);
         prepareOverlay(eyes_[i], views[i], overlay != nullptr ? *overlay : Overlay{}, slot, index);
         recordCommands(eyes_[i], views[i], quality, outputs.empty() ? EyeOutput{} : outputs[i], slot, index);
     });
@@ -110,18 +117,33 @@ void Renderer::chooseResolution(const Quality& quality) {
             for (std::size_t slot = 0; slot < kFramesInFlight; ++slot)
                 streams_.wait(slot); // the one that goes may be in use
             eye.blend.reset();
-            eye.blend = makeBlendTarget(device_, blend_, room, scene_.mostDraws());
+            eye.blend = makeBlendTarget(device_, blend_, room, kFirstBlendDraws);
         }
         if (!isScaled || (eye.scaled && eye.scaled->pixels >= room)) continue;
         for (std::size_t slot = 0; slot < kFramesInFlight; ++slot)
             streams_.wait(slot); // the one that goes may be in use
         eye.scaled.reset();
-        eye.scaled =
-            makeScaledTarget(device_, rescale_, eyeLayout_, eye.target, roomWidth, roomHeight, scene_.mostDraws());
+        eye.scaled = makeScaledTarget(device_, rescale_, eyeLayout_, eye.target, roomWidth, roomHeight);
     }
 }
 
-void Renderer::prepare(Eye& eye, const scene::View& given, const Quality& quality, std::size_t slot, int index) {
+void Renderer::makeRoom(const Quality& quality) {
+    for (Eye& eye : eyes_) {
+        EyeTarget& target = eye.isScaled ? eye.scaled->target : eye.target;
+        const bool isShort = eye.list.tiles > target.mostDraws,
+                   isShortToBlend = quality.isBlended && eye.blendList.tiles > eye.blend->mostDraws;
+        if (!isShort && !isShortToBlend) continue;
+        for (std::size_t slot = 0; slot < kFramesInFlight; ++slot)
+            streams_.wait(slot); // what goes may be in use
+        makeRoomForDraws(device_, target, eye.list.tiles);
+        if (!isShortToBlend) continue;
+        const std::size_t pixels = eye.blend->pixels;
+        eye.blend.reset();
+        eye.blend = makeBlendTarget(device_, blend_, pixels, eye.blendList.tiles + eye.blendList.tiles / 2);
+    }
+}
+
+void Renderer::choose(Eye& eye, const scene::View& given, const Quality& quality, int index) {
     assert(given.camera.width == width_ && given.camera.height == height_);
     const scene::View view{scene::resized(given.camera, eye.warpWidth, eye.warpHeight), given.worldFromEye};
     eye.times.clear();
@@ -137,14 +159,26 @@ void Renderer::prepare(Eye& eye, const scene::View& given, const Quality& qualit
                                          scene_.images()[i].extent);
         cull(scene_.bounds(), scene_.pieces(), eye.planes, eye.visible);
     });
+    timed(eye.times, "choose", index, [&] {
+        chooseDraws(scene_.index(), scene_.places(), eye.sources, eye.visible, quality, eye.list,
+                    quality.leavesOutHidden ? static_cast<double>(eye.warpWidth) * eye.warpHeight : 0);
+        if (quality.isBlended)
+            chooseBlendDraws(scene_.index(), scene_.places(), capturedOf(eye), eye.visible, quality.blend,
+                             eye.blendList);
+    });
+}
+
+std::span<const SourceView> Renderer::capturedOf(const Eye& eye) const {
+    return std::span<const SourceView>(eye.sources).first(scene_.capturedImages());
+}
+
+void Renderer::list(Eye& eye, const Quality& quality, std::size_t slot, int index) {
     timed(eye.times, "list", index, [&] {
-        buildDrawList(scene_.index(), scene_.places(), eye.sources, eye.visible, quality,
-                      eye.warped().draws[slot].as<TileDraw>(), eye.list,
-                      quality.leavesOutHidden ? static_cast<double>(eye.warpWidth) * eye.warpHeight : 0);
-        if (!quality.isBlended) return;
-        buildBlendList(scene_.index(), scene_.places(),
-                       std::span<const SourceView>(eye.sources).first(scene_.capturedImages()), eye.visible,
-                       quality.blend, eye.blend->draws[slot].as<BlendDraw>(), eye.blendList);
+        writeDraws(scene_.index(), scene_.places(), eye.sources, quality, eye.list,
+                   eye.warped().draws[slot].as<TileDraw>());
+        if (quality.isBlended)
+            writeBlendDraws(scene_.index(), scene_.places(), capturedOf(eye), eye.blendList,
+                            eye.blend->draws[slot].as<BlendDraw>());
     });
 }
 

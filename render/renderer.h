@@ -37,7 +37,7 @@ struct EyeCounts {
 
 struct FrameStats {
     std::uint64_t frame = 0;
-    std::vector<StepTime> cpu; ///< wait, cull, list, overlay, record, submit
+    std::vector<StepTime> cpu; ///< wait, cull, choose, list, overlay, record, submit
     std::vector<StepTime> gpu; ///< clear, warp, blend, resolve, unseen, rescale, overlay; of the frame gpuFrame, empty
                                ///< while none has finished
     std::uint64_t gpuFrame = 0;
@@ -102,7 +102,11 @@ class Renderer {
         std::array<OverlayBuffers, kFramesInFlight> overlayBuffers{}; ///< made when first wanted
     };
     void chooseResolution(const Quality& quality);
-    void prepare(Eye& eye, const scene::View& view, const Quality& quality, std::size_t slot, int index);
+    void choose(Eye& eye, const scene::View& view, const Quality& quality, int index);
+    /// For what was chosen; waits for the device where there is not enough.
+    void makeRoom(const Quality& quality);
+    void list(Eye& eye, const Quality& quality, std::size_t slot, int index);
+    std::span<const SourceView> capturedOf(const Eye& eye) const;
     void prepareOverlay(Eye& eye, const scene::View& view, const Overlay& overlay, std::size_t slot, int index);
     void recordCommands(Eye& eye, const scene::View& view, const Quality& quality, const EyeOutput& output,
                         std::size_t slot, int index);

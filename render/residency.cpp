@@ -1,5 +1,7 @@
 #include "render/residency.h"
 
+#include "render/shaders/shared/detail.h"
+
 #include <glm/geometric.hpp>
 #include <tbb/parallel_for.h>
 
@@ -13,7 +15,11 @@ namespace {
 
 constexpr double kInView = 8;         ///< how much more a chunk is wanted that is looked at
 constexpr double kTurnRadians = 0.35; ///< so far beyond the edge counts as looked at: heads turn
-constexpr double kWidest = 64;        ///< pixels: wider, nobody can tell more
+/// Of the width that is asked for: where all samples are narrower, the coarser level is drawn alone (shared/detail.h).
+constexpr double kReplacedWhole =
+    (0.5 - 0.5 * static_cast<double>(kDetailOverlap)) / (1 + static_cast<double>(kDetailBand));
+
+constexpr double kWidest = 64; ///< pixels: wider, nobody can tell more
 
 /// Half the angle that an eye's picture spans, corner to corner, from the direction of its axis.
 double reachOfView(const scene::Camera& camera) {
@@ -32,22 +38,22 @@ double wantOf(const SceneIndex& index, const IndexedChunk& chunk, const scene::V
         if (!scene::mayBeNear(glm::length(eyeInWorld - image.worldFromCamera.translation), chunk.reach, near)) return 0;
     }
     const double focal = std::sqrt(eye.camera.fx * eye.camera.fy);
-    double pixels = chunk.spacing * focal;
+    double pixels = chunk.spacing * focal, widest = chunk.widestSpacing * focal;
     bool isInView = true;
     if (std::isfinite(chunk.radius)) {
         const glm::dvec3 toCentre = chunk.centre - eyeInWorld;
         const double distance = glm::length(toCentre);
         if (distance > chunk.radius) {
-            pixels /= distance - chunk.radius;
+            pixels /= distance - chunk.radius, widest /= distance - chunk.radius;
             const double half = std::asin(chunk.radius / distance);
             const double turn =
                 std::acos(std::clamp(glm::dot(toCentre, eye.worldFromEye.rotation[2]) / distance, -1.0, 1.0));
             isInView = turn - half <= reachOfView(eye.camera) + kTurnRadians;
         } else {
-            pixels = kWidest;
+            pixels = widest = kWidest;
         }
     }
-    if (image.hasCoarser && 2 * pixels < quality.samplePixels) return 0; // the coarser level suffices
+    if (image.hasCoarser && widest < kReplacedWhole * quality.samplePixels) return 0; // the coarser level suffices
     return std::clamp(pixels, 1e-12, kWidest) * (isInView ? kInView : 1);
 }
 

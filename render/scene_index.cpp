@@ -92,14 +92,15 @@ SceneIndex::SceneIndex(std::span<const scene::TileBlock> blocks, std::size_t chu
 
 void SceneIndex::surround(std::size_t captured, std::size_t firstChunk) {
     glm::dvec3 least(std::numeric_limits<double>::infinity()), most(-least);
+    bool isBounded = true;
     for (std::size_t i = firstChunk; i < chunks.size(); ++i) {
+        isBounded = isBounded && std::isfinite(chunks[i].radius);
         least = glm::min(least, chunks[i].centre - chunks[i].radius);
         most = glm::max(most, chunks[i].centre + chunks[i].radius);
     }
     spheres.resize(captured + 1);
-    const glm::dvec3 size = most - least;
-    if (glm::all(glm::lessThan(size, glm::dvec3(std::numeric_limits<double>::max()))))
-        spheres[captured] = {0.5 * (least + most), 0.5 * glm::length(size)};
+    if (isBounded && firstChunk < chunks.size())
+        spheres[captured] = {0.5 * (least + most), 0.5 * glm::length(most - least)};
 }
 
 void SceneIndex::addImage(const ResidentImage& image, const scene::TileBlock& block, std::uint32_t firstNumber,
@@ -144,12 +145,12 @@ TilePiece SceneIndex::pieceFrom(std::size_t first) const {
 
 void SceneIndex::measure(IndexedChunk& indexed, const scene::TileBlock& block) {
     const scene::Camera camera = scene::cameraAtLevel(block.camera, indexed.chunk.level);
-    float nearest = 0;
+    float nearest = 0, farthest = std::numeric_limits<float>::infinity();
     glm::dvec3 least(std::numeric_limits<double>::infinity()), most(-least);
     for (std::uint32_t i = indexed.chunk.firstTile; i < indexed.chunk.firstTile + indexed.chunk.tileCount; ++i) {
         const scene::Tile& tile = scene::tileOf(block, i);
         const scene::SampleBox box = scene::boxOf(tile, camera);
-        nearest = std::max(nearest, tile.maxDisparity);
+        nearest = std::max(nearest, tile.maxDisparity), farthest = std::min(farthest, tile.minDisparity);
         indexed.reach = std::max(indexed.reach, scene::reachOf(scene::middleOf(tile, camera, block.worldFromCamera)));
         for (int corner = 0; corner < 8; ++corner) {
             const glm::dvec3 s((corner & 1) != 0 ? box.most.x : box.least.x,
@@ -160,12 +161,13 @@ void SceneIndex::measure(IndexedChunk& indexed, const scene::TileBlock& block) {
         }
     }
     const double focal = std::sqrt(camera.fx * camera.fy);
-    if (glm::all(glm::lessThan(most - least, glm::dvec3(std::numeric_limits<double>::max())))) { // no sky
+    if (farthest > 0) { // no sky
         indexed.least = least, indexed.most = most;
         indexed.centre = 0.5 * (least + most);
         indexed.radius = 0.5 * glm::length(most - least);
     }
     indexed.spacing = nearest > 0 ? 1 / (focal * static_cast<double>(nearest)) : 1 / focal;
+    if (farthest > 0) indexed.widestSpacing = 1 / (focal * static_cast<double>(farthest));
 }
 
 void SceneIndex::findFiner() {

@@ -57,7 +57,8 @@ struct IndexedChunk {
     glm::dvec3 centre{0};
     double radius = std::numeric_limits<double>::infinity();
     double spacing = 0; ///< metres between neighbouring samples where they stand nearest to the camera; sky: radians
-    double reach = 0;   ///< metres from the camera to the farthest tile's middle
+    double widestSpacing = std::numeric_limits<double>::infinity(); ///< where they stand farthest
+    double reach = 0; ///< metres from the camera to the farthest tile's middle
 };
 
 /// Around all that an image has taken, metres in the world; infinite with the sky.

@@ -17,6 +17,18 @@ constexpr std::array kEyeBindings{Binding::storage, Binding::storage, Binding::s
                                   Binding::storage, Binding::texels,  Binding::storage,
                                   Binding::storage, Binding::storage, Binding::storage};
 
+constexpr std::uint32_t kDrawsBinding = 0, kPassedBinding = 7;
+constexpr std::size_t kFirstDraws = 4096;
+
+void makeDrawBuffers(const Device& device, EyeTarget& target, std::size_t most) {
+    const std::size_t bytes = most * sizeof(TileDraw);
+    requireRange(device, bytes, "the list of tiles", "let coarser samples stand for finer ones: --sample-pixels 1");
+    for (Buffer& draws : target.draws)
+        draws = Buffer(device, bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, MemoryUse::hostWrites);
+    target.passed = Buffer(device, bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, MemoryUse::onDevice);
+    target.mostDraws = most;
+}
+
 void requireTexels(const Device& device, std::size_t texels) {
     if (texels <= device.limits().maxTexelBufferElements) return;
     throw scene::Failure("the image has " + std::to_string(texels) + " pixels, more than the " +
@@ -37,13 +49,9 @@ DescriptorSetLayout makeEyeLayout(const Device& device) {
     return makeSetLayout(device, kEyeBindings);
 }
 
-EyeTarget makeEyeTarget(const Device& device, VkDescriptorSetLayout eyeLayout, int width, int height,
-                        std::size_t maxDraws) {
+EyeTarget makeEyeTarget(const Device& device, VkDescriptorSetLayout eyeLayout, int width, int height) {
     const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
-    const std::size_t drawBytes = std::max<std::size_t>(maxDraws, 1) * sizeof(TileDraw);
     requireRange(device, pixels * sizeof(std::uint64_t), "the z-buffer", "choose a smaller image");
-    requireRange(device, drawBytes, "the list of tiles", "build the scene with larger tiles");
-
     requireTexels(device, pixels);
 
     constexpr VkBufferUsageFlags kStorage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
@@ -59,11 +67,11 @@ EyeTarget makeEyeTarget(const Device& device, VkDescriptorSetLayout eyeLayout, i
     target.zTexels = makeTexelView(device, target.zBuffer);
     const auto occluders = static_cast<std::size_t>(occludersAlong(width) * occludersAlong(height));
     target.occluders = Buffer(device, occluders * sizeof(std::uint32_t), kStorage, MemoryUse::onDevice);
-    target.passed = Buffer(device, drawBytes, kStorage, MemoryUse::onDevice);
     target.passedRuns =
         Buffer(device, kMostTestedRuns * sizeof(PassedRun),
                kStorage | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT, MemoryUse::onDevice);
     target.pool = makeSetPool(device, kFramesInFlight + 1, kEyeBindings);
+    makeDrawBuffers(device, target, kFirstDraws);
     const auto makeSet = [&](const Buffer& draws) {
         const std::array<Bound, kEyeBindings.size()> bound{{{draws.handle()},
                                                             {target.zBuffer.handle()},
@@ -77,11 +85,20 @@ EyeTarget makeEyeTarget(const Device& device, VkDescriptorSetLayout eyeLayout, i
         return allocateSet(device, target.pool, eyeLayout, bound);
     };
     target.passedSet = makeSet(target.passed);
-    for (std::size_t frame = 0; frame < kFramesInFlight; ++frame) {
-        target.draws[frame] = Buffer(device, drawBytes, kStorage, MemoryUse::hostWrites);
+    for (std::size_t frame = 0; frame < kFramesInFlight; ++frame)
         target.sets[frame] = makeSet(target.draws[frame]);
-    }
     return target;
+}
+
+void makeRoomForDraws(const Device& device, EyeTarget& target, std::size_t draws) {
+    if (draws <= target.mostDraws) return;
+    makeDrawBuffers(device, target, draws + draws / 2); // so that it is not done again and again
+    rebind(device, target.passedSet, kDrawsBinding, {target.passed.handle()});
+    rebind(device, target.passedSet, kPassedBinding, {target.passed.handle()});
+    for (std::size_t frame = 0; frame < kFramesInFlight; ++frame) {
+        rebind(device, target.sets[frame], kDrawsBinding, {target.draws[frame].handle()});
+        rebind(device, target.sets[frame], kPassedBinding, {target.passed.handle()});
+    }
 }
 
 } // namespace render

@@ -28,6 +28,7 @@ struct EyeTarget {
     BufferView zTexels;
     Buffer occluders, passed, passedRuns;      ///< see shaders/shared/occlusion.h
     std::array<Buffer, kFramesInFlight> draws; ///< TileDraw; mapped
+    std::size_t mostDraws = 0;                 ///< that there is room for
     DescriptorPool pool;
     std::array<VkDescriptorSet, kFramesInFlight> sets{};
     VkDescriptorSet passedSet = VK_NULL_HANDLE; ///< with what has passed as its draws
@@ -39,9 +40,11 @@ inline constexpr std::size_t kMostTestedRuns = 4096;
 /// Throws scene::Failure if a shader cannot see so many bytes of `what`, and says the remedy.
 void requireRange(const Device& device, std::size_t bytes, const std::string& what, const std::string& remedy);
 
-/// maxDraws: tiles of the scene. Throws scene::Failure if the device cannot see such an image or list at
-/// once.
-EyeTarget makeEyeTarget(const Device& device, VkDescriptorSetLayout eyeLayout, int width, int height,
-                        std::size_t maxDraws);
+/// With room for some draws. Throws scene::Failure if the device cannot see such an image at once.
+EyeTarget makeEyeTarget(const Device& device, VkDescriptorSetLayout eyeLayout, int width, int height);
+
+/// Makes room for so many draws, and some more. Nothing may be using the target. Throws scene::Failure if the device
+/// cannot see such a list at once.
+void makeRoomForDraws(const Device& device, EyeTarget& target, std::size_t draws);
 
 } // namespace render

@@ -29,8 +29,9 @@ class TilePool {
     VkDescriptorSet setOf(std::size_t page) const { return pages_[page].set; }
     VkBuffer bufferOf(std::size_t page) const { return pages_[page].buffer.handle(); }
 
-    /// Where a place is seen by the processor; null if it cannot see the device's memory.
+    /// Where a place is seen by the processor; null if it cannot see the device's memory, or that is nowhere.
     std::byte* mapped(const ChunkPlace& place) const {
+        if (place.page >= pages_.size()) return nullptr;
         std::byte* const page = pages_[place.page].buffer.mapped();
         return page != nullptr ? page + std::size_t{place.firstTexel} * kTexelBytes : nullptr;
     }

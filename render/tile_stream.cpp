@@ -69,8 +69,8 @@ TileStream::TileStream(const Device& device, const SceneIndex& index, std::span<
                        const TilePool& pool, std::span<const std::uint32_t> kept, std::vector<RangeAllocator> free,
                        bool isStaged)
     : device_(device), index_(index), blocks_(blocks), pool_(pool), coarser_(coarserChunksOf(index)),
-      isStaged_(isStaged), free_(std::move(free)), states_(index.chunks.size(), State::absent),
-      loaded_(index.chunks.size()) {
+      isStaged_(isStaged || pool.mapped({0, 0, false}) == nullptr), free_(std::move(free)),
+      states_(index.chunks.size(), State::absent), loaded_(index.chunks.size()) {
     for (const std::uint32_t chunk : kept)
         states_[chunk] = State::kept;
     for (const RangeAllocator& page : free_)
@@ -93,8 +93,11 @@ void TileStream::follow(std::span<const scene::View> eyes, const Quality& qualit
     ++frame_;
     if (std::exchange(showsOnlyDesired_, false)) {
         const std::lock_guard lock(mutex_);
-        for (std::size_t i = 0; i < places.size(); ++i)
-            if (states_[i] == State::there && !isStaged_) places[i] = loaded_[i];
+        std::vector<bool> isOnItsWay(places.size(), false);
+        for (const Arrival& arrival : arrived_)
+            isOnItsWay[arrival.chunk] = true;
+        for (std::size_t i = 0; i < places.size(); ++i) // settle has left nothing on the way to be copied
+            if (states_[i] == State::there && !isOnItsWay[i]) places[i] = loaded_[i];
     }
     takeOver(places, false);
     copyArrived(places);
@@ -248,7 +251,15 @@ void TileStream::serve(const Wish& wish) {
         if (states_[chunk] == State::there || states_[chunk] == State::kept) continue;
         // One that is leaving must have left before it can come again, or others before there is room.
         if (states_[chunk] == State::leaving) return;
-        if (!load(chunk) && makeRoom(choice, kAnother)) return;
+        if (!load(chunk)) {
+            if (makeRoom(choice, kAnother)) return;
+            // What is there lies so that gaps are too small. What fits must not hang on what was there before.
+            if (wish.isSettling && startedOver_ != wish.number) {
+                startedOver_ = wish.number;
+                makeRoom({{}, 0}, roomTexels_);
+                return;
+            }
+        }
         if (++loads >= kLoadsAtLeast && isInterrupted()) return;
     }
     {

@@ -104,6 +104,7 @@ class TileStream {
 
     // Of the thread that streams.
     std::vector<RangeAllocator> free_;
+    std::uint64_t startedOver_ = 0; ///< number of the last wish for which all was thrown away
 
     // Under the mutex.
     mutable std::mutex mutex_;

@@ -203,8 +203,17 @@ std::optional<Pick> pick(std::span<const TileBlock> blocks, const Ray& ray, cons
         const auto lend = [&](std::vector<TileBlock>& into, std::span<const Tile> tiles,
                               std::span<const TileVertex> vertices) {
             if (!tiles.empty())
-                into.push_back(
-                    {block.camera, block.worldFromCamera, tiles, {}, vertices, block.quads, {}, {}, {}, false});
+                into.push_back({block.camera,
+                                block.worldFromCamera,
+                                tiles,
+                                {},
+                                vertices,
+                                block.quads,
+                                {},
+                                {},
+                                {},
+                                nullptr,
+                                false});
         };
         lend(seen, candidates[i].seen, block.vertices);
         lend(guesses, candidates[i].guesses, block.vertices);

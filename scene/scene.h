@@ -5,7 +5,9 @@
 #include "scene/mapped_file.h"
 #include "scene/tile.h"
 
+#include <atomic>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -27,7 +29,8 @@ struct Scene {
     Pose walkFromWorld;              ///< metres, +Y up, floor at Y = 0, the start at the origin
     std::string manifest;            ///< scene.json as it was written
     MappedFile tilesFile;
-    std::vector<TileBlock> blocks;    ///< one for each image, in the same order
+    std::vector<TileBlock> blocks;                                      ///< one for each image, in the same order
+    std::vector<std::unique_ptr<std::atomic<std::uint8_t>[]>> verdicts; ///< that the blocks point to
     std::optional<Coverage> coverage; ///< what was observed; scenes of before have none
 };
 

@@ -152,7 +152,7 @@ TileBlock lendBlock(std::span<const std::byte> bytes, const BlockEntry& entry, c
         part = {reinterpret_cast<const T*>(at), count};
         at += count * sizeof(T);
     };
-    TileBlock block{camera, worldFromCamera, {}, {}, {}, {}, {}, {}, {}, true};
+    TileBlock block{camera, worldFromCamera, {}, {}, {}, {}, {}, {}, {}, nullptr, true};
     next(block.tiles, entry.tileCount), next(block.coarser, entry.coarserCount);
     next(block.chunkSums, entry.chunkCount);
     next(block.vertices, entry.vertexCount), next(block.quads, entry.quadCount);
@@ -316,6 +316,7 @@ Scene openScene(const std::filesystem::path& folder) {
     const std::span<const std::byte> file = scene.tilesFile.bytes();
     const std::vector<BlockEntry> table = readTable(file, tilesPath, scene.images.size());
     scene.blocks.resize(table.size());
+    scene.verdicts.resize(table.size());
     tbb::parallel_for(std::size_t{0}, table.size(), [&](std::size_t i) {
         const BlockEntry& entry = table[i];
         const std::span<const std::byte> bytes = file.subspan(entry.offset, blockBytes(entry));
@@ -324,6 +325,8 @@ Scene openScene(const std::filesystem::path& folder) {
             throw Failure("has a damaged block (" + scene.images[i].name + ")", where, kRemedy);
         scene.blocks[i] = lendBlock(bytes, entry, scene.images[i].camera, scene.images[i].worldFromCamera);
         checkBlock(scene.blocks[i], where);
+        scene.verdicts[i] = std::make_unique<std::atomic<std::uint8_t>[]>(entry.chunkCount);
+        scene.blocks[i].verdicts = scene.verdicts[i].get();
     });
     if (hasCoverage) scene.coverage = readCoverage(folder / kCoverageFile);
     return scene;

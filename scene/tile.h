@@ -8,6 +8,7 @@
 
 #include "scene/depth_image.h"
 
+#include <atomic>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -134,12 +135,15 @@ struct TileBlock {
     std::span<const TileTexel> texels;
     /// By chunk (scene/tile_chunks.h), where what the tiles hold is yet to be checked when it is first needed.
     std::span<const std::uint64_t> chunkSums;
+    /// By chunk: what was found of them already (SoundTiles); null if that is not kept. 0: not asked yet, 1: sound, 2:
+    /// not.
+    std::atomic<std::uint8_t>* verdicts = nullptr;
     bool isMapped = false; ///< from a file: memory that it takes can be given back, and is read again when needed
 };
 
 inline TileBlock lend(const TileSet& set, const Camera& camera, const Pose& worldFromCamera) {
-    return {camera,    worldFromCamera, set.tiles,  set.coarser, set.vertices,
-            set.quads, set.facets,      set.texels, {},          false};
+    return {camera,     worldFromCamera, set.tiles, set.coarser, set.vertices, set.quads,
+            set.facets, set.texels,      {},        nullptr,     false};
 }
 
 /// Cuts an image into tiles of tileSize x tileSize samples (1 to kMaxTileSize). A sample is kept if it is drawable and

@@ -93,12 +93,21 @@ bool isSound(const TileBlock& block, const TileChunk& chunk, std::size_t number)
 
 bool SoundTiles::isSound(std::size_t tile) {
     if (block_.chunkSums.empty()) return true;
-    if (chunks_.empty()) chunks_ = chunksOf(block_), verdicts_.assign(chunks_.size(), 0);
+    if (chunks_.empty()) {
+        chunks_ = chunksOf(block_);
+        own_ = std::vector<std::atomic<std::uint8_t>>(block_.verdicts == nullptr ? chunks_.size() : 0);
+    }
+    std::atomic<std::uint8_t>* const verdicts = block_.verdicts != nullptr ? block_.verdicts : own_.data();
     const auto after = std::upper_bound(chunks_.begin(), chunks_.end(), tile,
                                         [](std::size_t t, const TileChunk& chunk) { return t < chunk.firstTile; });
     const auto number = static_cast<std::size_t>(after - chunks_.begin()) - 1;
-    if (verdicts_[number] == 0) verdicts_[number] = scene::isSound(block_, chunks_[number], number) ? 1 : 2;
-    return verdicts_[number] == 1;
+    // Two threads may find out the same at the same time.
+    std::uint8_t verdict = verdicts[number].load(std::memory_order_relaxed);
+    if (verdict == 0) {
+        verdict = scene::isSound(block_, chunks_[number], number) ? 1 : 2;
+        verdicts[number].store(verdict, std::memory_order_relaxed);
+    }
+    return verdict == 1;
 }
 
 void copyChunk(const TileBlock& block, const TileChunk& chunk, std::byte* to) {

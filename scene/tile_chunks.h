@@ -45,7 +45,8 @@ std::uint64_t checksumOf(const TileBlock& block, const TileChunk& chunk);
 /// tile. block.chunkSums: if there are any, number is the chunk's among them.
 bool isSound(const TileBlock& block, const TileChunk& chunk, std::size_t number);
 
-/// Tells which tiles of a block may be read. Finds out chunk by chunk, each once. The block must outlive it.
+/// Tells which tiles of a block may be read. Finds out chunk by chunk, each once; a block of a scene remembers. The
+/// block must outlive it.
 class SoundTiles {
   public:
     explicit SoundTiles(const TileBlock& block) : block_(block) {}
@@ -53,8 +54,8 @@ class SoundTiles {
 
   private:
     const TileBlock& block_;
-    std::vector<TileChunk> chunks_;      ///< found when first wanted
-    std::vector<std::uint8_t> verdicts_; ///< 0: not asked yet, 1: sound, 2: not
+    std::vector<TileChunk> chunks_;              ///< found when first wanted
+    std::vector<std::atomic<std::uint8_t>> own_; ///< verdicts, where the block keeps none
 };
 
 /// Copies what a chunk holds, chunk.bytes() in all: facets, vertices, quads, texels.

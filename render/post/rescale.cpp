@@ -26,9 +26,9 @@ RescalePass makeRescalePass(const Device& device) {
 }
 
 ScaledTarget makeScaledTarget(const Device& device, const RescalePass& pass, VkDescriptorSetLayout eyeLayout,
-                              const EyeTarget& eye, int width, int height, std::size_t maxDraws) {
+                              const EyeTarget& eye, int width, int height) {
     ScaledTarget scaled;
-    scaled.target = makeEyeTarget(device, eyeLayout, width, height, maxDraws);
+    scaled.target = makeEyeTarget(device, eyeLayout, width, height);
     scaled.pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
     scaled.pool = makeSetPool(device, 1, kBindings);
     const std::array<Bound, kBindings.size()> bound{{{scaled.target.colours.handle()},

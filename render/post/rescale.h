@@ -25,7 +25,7 @@ struct ScaledTarget {
 
 /// eye: where the picture goes in the end. Throws scene::Failure as makeEyeTarget does.
 ScaledTarget makeScaledTarget(const Device& device, const RescalePass& pass, VkDescriptorSetLayout eyeLayout,
-                              const EyeTarget& eye, int width, int height, std::size_t maxDraws);
+                              const EyeTarget& eye, int width, int height);
 
 /// Pixels along a side of `pixels` at that scale; at least one.
 int scaledSide(int pixels, double scale);

@@ -43,6 +43,7 @@ BlendTarget makeBlendTarget(const Device& device, const BlendPass& pass, std::si
     requireRange(device, drawBytes, "the list of tiles", "build the scene with larger tiles");
     BlendTarget target;
     target.pixels = pixels;
+    target.mostDraws = maxDraws;
     target.sums = Buffer(device, sumBytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT,
                          MemoryUse::onDevice);
     target.pool = makeSetPool(device, kFramesInFlight, kBindings);

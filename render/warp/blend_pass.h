@@ -20,6 +20,7 @@ struct BlendPass {
 /// What an eye needs for it, besides its target.
 struct BlendTarget {
     std::size_t pixels = 0;                    ///< of the largest image there is room for
+    std::size_t mostDraws = 0;                 ///< that there is room for
     Buffer sums;                               ///< two 64-bit words a pixel, see shaders/shared/blend.h
     std::array<Buffer, kFramesInFlight> draws; ///< BlendDraw; mapped
     DescriptorPool pool;
@@ -28,7 +29,7 @@ struct BlendTarget {
 
 BlendPass makeBlendPass(const Device& device, VkDescriptorSetLayout pageLayout, VkDescriptorSetLayout eyeLayout);
 
-/// maxDraws: tiles of the scene. Throws scene::Failure if the device cannot see such an image or list at once.
+/// Throws scene::Failure if the device cannot see such an image or list at once.
 BlendTarget makeBlendTarget(const Device& device, const BlendPass& pass, std::size_t pixels, std::size_t maxDraws);
 
 /// Clears the sums and adds the list's samples; the z-buffer must be finished.

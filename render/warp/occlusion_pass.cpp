@@ -71,9 +71,13 @@ void recordWarpInBatches(VkCommandBuffer commands, const OcclusionPass& pass, co
         vkCmdDispatch(commands, static_cast<std::uint32_t>(occludersAlong(height)), 1, 1);
         record(commands, kAfterOccluders);
         bind(pass.cull);
-        const OcclusionConstants constants{now[0].first, tiles, width, height};
-        vkCmdPushConstants(commands, pass.cull.layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof constants, &constants);
-        vkCmdDispatch(commands, (tiles + pass.cullSize - 1) / pass.cullSize, 1, 1);
+        const std::uint32_t atOnce = kMaxWorkgroups * pass.cullSize;
+        for (std::uint32_t done = 0; done < tiles; done += atOnce) {
+            const OcclusionConstants constants{now[0].first + done, std::min(tiles - done, atOnce), width, height};
+            vkCmdPushConstants(commands, pass.cull.layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof constants,
+                               &constants);
+            vkCmdDispatch(commands, (constants.count + pass.cullSize - 1) / pass.cullSize, 1, 1);
+        }
         record(commands, kAfterCull);
         recordPassed(commands, warps, scene, target, now, width, height);
     }

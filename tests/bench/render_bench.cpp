@@ -187,7 +187,9 @@ void eyesAtOnceAgainstInTurn(benchmark::State& state) {
     const std::array views{left, right};
     std::array<EyeWork, 2> eyes;
     for (EyeWork& eye : eyes)
-        eye.target = makeEyeTarget(benchDevice(), eyeLayout, 640, 480, scene.tiles().size());
+        eye.target = makeEyeTarget(benchDevice(), eyeLayout, 640, 480);
+    for (EyeWork& eye : eyes)
+        makeRoomForDraws(benchDevice(), eye.target, scene.tiles().size());
 
     const auto work = [&](std::size_t i) {
         EyeWork& eye = eyes[i];
@@ -196,8 +198,8 @@ void eyesAtOnceAgainstInTurn(benchmark::State& state) {
         for (std::size_t k = 0; k < eye.sources.size(); ++k)
             eye.planes.push_back(planesOf(eye.sources[k].eyeImageFromSource, 640, 480, 3, scene.images()[k].extent));
         cull(scene.bounds(), scene.pieces(), eye.planes, eye.visible);
-        buildDrawList(scene.index(), scene.places(), eye.sources, eye.visible, {}, eye.target.draws[0].as<TileDraw>(),
-                      eye.list);
+        chooseDraws(scene.index(), scene.places(), eye.sources, eye.visible, {}, eye.list);
+        writeDraws(scene.index(), scene.places(), eye.sources, {}, eye.list, eye.target.draws[0].as<TileDraw>());
         const VkCommandBuffer commands = streams.begin(0, static_cast<int>(i));
         recordWarp(commands, warps, scene, eye.target.sets[0], eye.list.runs, 640, 480);
         vkEndCommandBuffer(commands);

@@ -49,8 +49,9 @@ Many manyTiles(std::uint32_t count) {
 
 DrawList listOf(const Many& many, const Quality& quality, std::vector<TileDraw>& draws) {
     DrawList list;
-    draws.assign(many.scene.tiles.size(), {});
-    buildDrawList(many.scene, many.places, many.sources, many.visible, quality, draws, list);
+    chooseDraws(many.scene, many.places, many.sources, many.visible, quality, list);
+    draws.assign(list.tiles, {});
+    writeDraws(many.scene, many.places, many.sources, quality, list, draws);
     return list;
 }
 
@@ -111,7 +112,7 @@ TEST(DrawList, CountsFromWhereAChunkLiesAndLeavesOutWhatIsNotThere) {
 
 TEST(DrawList, OfNothingIsEmpty) {
     DrawList list;
-    buildDrawList({}, {}, {}, {}, {}, {}, list);
+    chooseDraws({}, {}, {}, {}, {}, list);
     EXPECT_EQ(list.tiles, 0u);
     EXPECT_TRUE(list.runs.empty());
 }

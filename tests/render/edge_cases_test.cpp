@@ -122,7 +122,6 @@ TEST_F(EdgeCases, WhatHiddenTilesAreLeftOutOfIsTheSamePicture) {
                 without = with;
                 without.leavesOutHidden = false;
                 EXPECT_TRUE(isSame(draw(view, with), draw(view, without))) << static_cast<int>(warp) << " " << i;
-                std::vector<TileDraw> draws(2 * scene.tiles().size());
                 DrawList list;
                 VisibleTiles all;
                 const auto sources = sourceViewsOf(scene.images(), view, with);
@@ -131,11 +130,29 @@ TEST_F(EdgeCases, WhatHiddenTilesAreLeftOutOfIsTheSamePicture) {
                     planes.push_back(
                         planesOf(sources[k].eyeImageFromSource, kEye.width, kEye.height, 4, scene.images()[k].extent));
                 cull(scene.bounds(), scene.pieces(), planes, all);
-                buildDrawList(scene.index(), scene.places(), sources, all, with, draws, list,
-                              static_cast<double>(kEye.width * kEye.height));
+                chooseDraws(scene.index(), scene.places(), sources, all, with, list,
+                            static_cast<double>(kEye.width * kEye.height));
                 batches = std::max<std::size_t>(batches, list.runs.back().batch + 1);
             }
     EXPECT_EQ(batches, 3u) << "there was something to leave out";
+}
+
+TEST_F(EdgeCases, ListsGrowWithWhatIsSeen) {
+    // One image in tiny tiles, seen by a corner first and then whole: more draws than there was room for at first.
+    const CutScene plane = cut({takePlane(cameraOf(600, 600, 1.5), {0, 0, 1}, 2)}, 6);
+    const GpuScene scene(testDevice(), plane.blocks());
+    ASSERT_GT(scene.tiles().size(), 2 * 4096u);
+    const scene::View corner{kEye, poseAt({0, 0, 0}, 0.75, 0)}, whole{kEye, poseAt({0, 0, -1}, 0, 0)};
+    for (const bool isBlended : {false, true}) {
+        Quality quality;
+        quality.isBlended = isBlended;
+        Renderer renderer(testDevice(), scene, kEye.width, kEye.height, 1);
+        for (const scene::View& view : {corner, whole, whole, corner}) {
+            renderer.draw({&view, 1}, quality);
+            EXPECT_TRUE(isSame(renderer.readBack()[0], drawOnce(scene, view, quality)));
+        }
+        EXPECT_GT(renderer.finish().eyes[0].tilesTested, 4096u);
+    }
 }
 
 TEST_F(EdgeCases, MoreThanAPageOfVertices) {

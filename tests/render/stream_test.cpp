@@ -142,15 +142,16 @@ TEST_F(StreamTest, WhereAllThatIsSeenFitsItShowsWhatTheWholeSceneShows) {
         ASSERT_TRUE(part.isStreamed());
         EXPECT_LT(part.bytesResident(), whole.bytesResident());
         for (const Warp warp : {Warp::points, Warp::mesh, Warp::adaptive, Warp::splats})
-            for (const int room : {0, 3, 1}) {
-                const scene::View eye = eyeIn(room, 0.7 * room);
-                Quality quality;
-                quality.warp = warp;
-                part.settle({&eye, 1}, quality);
-                // The walls of one's own room hide all others.
-                EXPECT_TRUE(isSame(drawOnce(part, eye, quality), drawOnce(whole, eye, quality)))
-                    << room << " staged " << isStaged;
-            }
+            for (const double samplePixels : {0.0, 1.5})
+                for (const int room : {0, 3, 1}) {
+                    const scene::View eye = eyeIn(room, 0.7 * room);
+                    Quality quality;
+                    quality.warp = warp, quality.samplePixels = samplePixels;
+                    part.settle({&eye, 1}, quality);
+                    // The walls of one's own room hide all others.
+                    EXPECT_TRUE(isSame(drawOnce(part, eye, quality), drawOnce(whole, eye, quality)))
+                        << room << " staged " << isStaged << " sample_pixels " << samplePixels;
+                }
         EXPECT_GT(part.streamCounts().left, 0u) << "rooms have come and gone";
     }
 }
@@ -193,6 +194,25 @@ TEST_F(StreamTest, NoFrameOfAFastPathShowsAHoleThatTheWholeSceneDoesNot) {
             EXPECT_LE(static_cast<double>(holes), 1e-5 * static_cast<double>(pixels))
                 << static_cast<int>(warp) << ": " << holes;
         }
+}
+
+TEST_F(StreamTest, AfterASettledPictureAllThatIsThereIsShownAgain) {
+    const scene::View first = eyeIn(0, 0), next = eyeIn(3, 0);
+    for (const bool isStaged : {false, true}) {
+        GpuScene part(testDevice(), blocks_, {.budgetBytes = 3 * allBytes() / 4, .isStaged = isStaged});
+        const auto there = [&] {
+            return std::count_if(part.places().begin(), part.places().end(),
+                                 [](const ChunkPlace& p) { return p.isThere(); });
+        };
+        part.settle({&first, 1}, {});
+        const auto settled = there();
+        Quality near; // directional samples are wanted only with it; here it changes what is desired
+        near.samplePixels = 40;
+        part.settle({&next, 1}, near);
+        EXPECT_LT(there(), settled) << "little is wanted so";
+        part.follow({&next, 1}, near);
+        EXPECT_GE(there(), settled) << "but nothing had to go";
+    }
 }
 
 TEST_F(StreamTest, ABudgetTooSmallForTheCoarsestIsRefused) {

@@ -153,7 +153,7 @@ SHARED_FUNCTION TileReach reachOf(TileDraw draw, bool isSplats, int width, int h
     TileReach reach;
     reach.first = ivec2(int(floor(first.x)), int(floor(first.y)));
     reach.last = ivec2(int(floor(last.x)), int(floor(last.y)));
-    reach.nearest = sighting.nearest * 1.0001f;
+    reach.nearest = sighting.nearest * 1.01f; // facets may leave their samples by less
     return reach;
 }
 
