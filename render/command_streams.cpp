@@ -17,30 +17,36 @@ void checkSubmitted(VkResult result, std::source_location asked = std::source_lo
 
 } // namespace
 
+Recorder makeRecorder(const Device& device) {
+    VkCommandPoolCreateInfo poolInfo{};
+    poolInfo.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO;
+    poolInfo.flags = VK_COMMAND_POOL_CREATE_TRANSIENT_BIT;
+    poolInfo.queueFamilyIndex = device.queueFamily();
+    VkCommandPool pool = VK_NULL_HANDLE;
+    check(vkCreateCommandPool(device, &poolInfo, nullptr, &pool));
+    Recorder recorder{{device, pool}, VK_NULL_HANDLE};
+    VkCommandBufferAllocateInfo allocate{};
+    allocate.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO;
+    allocate.commandPool = pool;
+    allocate.level = VK_COMMAND_BUFFER_LEVEL_PRIMARY;
+    allocate.commandBufferCount = 1;
+    check(vkAllocateCommandBuffers(device, &allocate, &recorder.commands));
+    return recorder;
+}
+
+Fence makeFence(const Device& device, VkFenceCreateFlags flags) {
+    VkFenceCreateInfo info{};
+    info.sType = VK_STRUCTURE_TYPE_FENCE_CREATE_INFO;
+    info.flags = flags;
+    VkFence fence = VK_NULL_HANDLE;
+    check(vkCreateFence(device, &info, nullptr, &fence));
+    return {device, fence};
+}
+
 CommandStreams::CommandStreams(const Device& device, int eyes) : device_(device) {
     for (std::vector<Stream>& streams : slots_)
         for (int eye = 0; eye < eyes; ++eye) {
-            VkCommandPoolCreateInfo poolInfo{};
-            poolInfo.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO;
-            poolInfo.flags = VK_COMMAND_POOL_CREATE_TRANSIENT_BIT;
-            poolInfo.queueFamilyIndex = device.queueFamily();
-            VkCommandPool pool = VK_NULL_HANDLE;
-            check(vkCreateCommandPool(device, &poolInfo, nullptr, &pool));
-            Stream stream{{device, pool}, VK_NULL_HANDLE, {}, {}};
-
-            VkCommandBufferAllocateInfo allocate{};
-            allocate.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO;
-            allocate.commandPool = pool;
-            allocate.level = VK_COMMAND_BUFFER_LEVEL_PRIMARY;
-            allocate.commandBufferCount = 1;
-            check(vkAllocateCommandBuffers(device, &allocate, &stream.commands));
-
-            VkFenceCreateInfo fenceInfo{};
-            fenceInfo.sType = VK_STRUCTURE_TYPE_FENCE_CREATE_INFO;
-            fenceInfo.flags = VK_FENCE_CREATE_SIGNALED_BIT;
-            VkFence fence = VK_NULL_HANDLE;
-            check(vkCreateFence(device, &fenceInfo, nullptr, &fence));
-            stream.finished = {device, fence};
+            Stream stream{makeRecorder(device), makeFence(device, VK_FENCE_CREATE_SIGNALED_BIT), {}};
             if (eye > 0 && !device.eyesShareQueue()) {
                 VkSemaphoreCreateInfo semaphoreInfo{};
                 semaphoreInfo.sType = VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO;
@@ -74,12 +80,12 @@ bool CommandStreams::isDone(std::size_t slot) const {
 
 VkCommandBuffer CommandStreams::begin(std::size_t slot, int eye) {
     const Stream& stream = slots_[slot][static_cast<std::size_t>(eye)];
-    check(vkResetCommandPool(device_, stream.pool, 0));
+    check(vkResetCommandPool(device_, stream.recorder.pool, 0));
     VkCommandBufferBeginInfo info{};
     info.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO;
     info.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
-    check(vkBeginCommandBuffer(stream.commands, &info));
-    return stream.commands;
+    check(vkBeginCommandBuffer(stream.recorder.commands, &info));
+    return stream.recorder.commands;
 }
 
 void CommandStreams::submit(std::size_t slot) {
@@ -87,14 +93,14 @@ void CommandStreams::submit(std::size_t slot) {
     const bool joins = streams.size() > 1 && !device_.eyesShareQueue();
     std::vector<VkSemaphore> joined;
     for (const Stream& stream : streams) // all before the first is submitted: what fails here leaves nothing half done
-        check(vkEndCommandBuffer(stream.commands));
+        check(vkEndCommandBuffer(stream.recorder.commands));
     for (std::size_t eye = 0; eye < streams.size(); ++eye) {
         const Stream& stream = streams[eye];
         check(vkResetFences(device_, 1, stream.finished.address()));
         VkSubmitInfo info{};
         info.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO;
         info.commandBufferCount = 1;
-        info.pCommandBuffers = &stream.commands;
+        info.pCommandBuffers = &stream.recorder.commands;
         if (joins && eye > 0) {
             info.signalSemaphoreCount = 1;
             info.pSignalSemaphores = stream.joined.address();
@@ -116,20 +122,8 @@ void CommandStreams::submit(std::size_t slot) {
 }
 
 void runAndWait(const Device& device, const std::function<void(VkCommandBuffer)>& recordCommands) {
-    VkCommandPoolCreateInfo poolInfo{};
-    poolInfo.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO;
-    poolInfo.queueFamilyIndex = device.queueFamily();
-    VkCommandPool rawPool = VK_NULL_HANDLE;
-    check(vkCreateCommandPool(device, &poolInfo, nullptr, &rawPool));
-    const CommandPool pool(device, rawPool);
-
-    VkCommandBufferAllocateInfo allocate{};
-    allocate.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO;
-    allocate.commandPool = pool;
-    allocate.level = VK_COMMAND_BUFFER_LEVEL_PRIMARY;
-    allocate.commandBufferCount = 1;
-    VkCommandBuffer commands = VK_NULL_HANDLE;
-    check(vkAllocateCommandBuffers(device, &allocate, &commands));
+    const Recorder recorder = makeRecorder(device);
+    const VkCommandBuffer commands = recorder.commands;
 
     VkCommandBufferBeginInfo begin{};
     begin.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO;

@@ -13,6 +13,15 @@
 
 namespace render {
 
+/// A command buffer and the pool it alone is of, which is reset whole.
+struct Recorder {
+    CommandPool pool;
+    VkCommandBuffer commands = VK_NULL_HANDLE;
+};
+Recorder makeRecorder(const Device& device);
+
+Fence makeFence(const Device& device, VkFenceCreateFlags flags);
+
 class CommandStreams {
   public:
     CommandStreams(const Device& device, int eyes);
@@ -34,8 +43,7 @@ class CommandStreams {
 
   private:
     struct Stream {
-        CommandPool pool;
-        VkCommandBuffer commands = VK_NULL_HANDLE;
+        Recorder recorder;
         Fence finished;   ///< signalled while nothing is running
         Semaphore joined; ///< of an eye with a queue of its own: the first queue waits for it
     };

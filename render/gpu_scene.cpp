@@ -1,7 +1,7 @@
 #include "render/gpu_scene.h"
 
+#include "render/chunk_bytes.h"
 #include "render/device.h"
-#include "render/placeholder.h"
 #include "scene/errors.h"
 
 #include <tbb/parallel_for.h>
@@ -24,10 +24,6 @@ std::size_t bytesOf(const SceneIndex& index) {
     return bytes;
 }
 
-std::uint32_t evenTexels(std::size_t bytes) {
-    return static_cast<std::uint32_t>((bytes / kTexelBytes + 1) / 2 * 2); // facets are two
-}
-
 std::string mebibytes(std::size_t bytes) {
     return std::to_string((bytes >> 20) + 1) + " MiB";
 }
@@ -48,7 +44,7 @@ void GpuScene::holdAll(const Device& device, std::span<const scene::TileBlock> b
     const std::uint32_t room = static_cast<std::uint32_t>(pageBytes / kTexelBytes) / 2 * 2;
     std::vector<std::uint32_t> pages;
     for (std::size_t i = 0; i < places_.size(); ++i) {
-        const std::uint32_t texels = evenTexels(index_.chunks[i].chunk.bytes());
+        const std::uint32_t texels = index_.chunks[i].texels();
         assert(texels <= room);
         if (pages.empty() || pages.back() + texels > room) pages.push_back(0);
         places_[i].page = static_cast<std::uint32_t>(pages.size() - 1);
@@ -82,7 +78,7 @@ void GpuScene::holdSome(const Device& device, std::span<const scene::TileBlock> 
     for (const std::uint32_t texels : pages)
         free.emplace_back(texels);
     for (const std::uint32_t chunk : kept) {
-        const std::uint32_t texels = evenTexels(index_.chunks[chunk].chunk.bytes());
+        const std::uint32_t texels = index_.chunks[chunk].texels();
         std::optional<std::uint32_t> first;
         for (std::uint32_t page = 0; page < free.size() && !first; ++page)
             if ((first = free[page].take(texels))) places_[chunk] = {page, *first, false};
@@ -105,14 +101,8 @@ void GpuScene::fill(const Device& device, std::span<const scene::TileBlock> bloc
                 ChunkPlace& place = places_[chunks[i]];
                 if (place.page != page) return;
                 const IndexedChunk& chunk = index_.chunks[chunks[i]];
-                const scene::TileBlock& block = blocks[chunk.captured];
-                place.isDamaged = !scene::isSound(block, chunk.chunk, chunk.number);
-                std::byte* const to = bytes + std::size_t{place.firstTexel} * kTexelBytes;
-                if (place.isDamaged)
-                    writePlaceholder(block, chunk.chunk, to);
-                else
-                    scene::copyChunk(block, chunk.chunk, to);
-                scene::releaseChunk(block, chunk.chunk);
+                place.isDamaged =
+                    !bringChunk(blocks[chunk.captured], chunk, bytes + std::size_t{place.firstTexel} * kTexelBytes);
             });
         });
     for (const std::uint32_t chunk : chunks)

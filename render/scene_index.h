@@ -20,7 +20,7 @@ namespace render {
 struct ChunkPlace {
     static constexpr std::uint32_t kNowhere = std::numeric_limits<std::uint32_t>::max();
     std::uint32_t page = kNowhere, firstTexel = 0;
-    bool isDamaged = false; ///< a placeholder is there (render/placeholder.h)
+    bool isDamaged = false; ///< a placeholder is there (render/chunk_bytes.h)
     bool isThere() const { return page != kNowhere; }
 };
 
@@ -59,6 +59,9 @@ struct IndexedChunk {
     double spacing = 0; ///< metres between neighbouring samples where they stand nearest to the camera; sky: radians
     double widestSpacing = std::numeric_limits<double>::infinity(); ///< where they stand farthest
     double reach = 0; ///< metres from the camera to the farthest tile's middle
+
+    /// That it takes on the device: an even number, since a facet is two.
+    std::uint32_t texels() const { return static_cast<std::uint32_t>((chunk.bytes() / kTexelBytes + 1) / 2 * 2); }
 };
 
 /// Around all that an image has taken, metres in the world; infinite with the sky.

@@ -1,9 +1,9 @@
 #include "render/tile_stream.h"
 
 #include "render/check.h"
+#include "render/chunk_bytes.h"
 #include "render/command_streams.h"
 #include "render/device.h"
-#include "render/placeholder.h"
 #include "scene/tile_chunks.h"
 
 #include <algorithm>
@@ -27,40 +27,18 @@ constexpr std::uint64_t kAnother = 4 * scene::kChunkBytes / kTexelBytes;
 
 constexpr std::size_t kStagingBytes = std::size_t{8} << 20; ///< copied within one frame at most
 
-std::uint32_t texelsOf(const IndexedChunk& chunk) {
-    const std::size_t texels = chunk.chunk.bytes() / kTexelBytes;
-    return static_cast<std::uint32_t>((texels + 1) / 2 * 2); // facets are two
-}
-
 } // namespace
 
 struct TileStream::Copy {
     explicit Copy(const Device& on) : device(on) {
-        VkCommandPoolCreateInfo poolInfo{};
-        poolInfo.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO;
-        poolInfo.flags = VK_COMMAND_POOL_CREATE_TRANSIENT_BIT;
-        poolInfo.queueFamilyIndex = device.queueFamily();
-        VkCommandPool made = VK_NULL_HANDLE;
-        check(vkCreateCommandPool(device, &poolInfo, nullptr, &made));
-        pool = {device, made};
-        VkCommandBufferAllocateInfo allocate{};
-        allocate.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO;
-        allocate.commandPool = made;
-        allocate.level = VK_COMMAND_BUFFER_LEVEL_PRIMARY;
-        allocate.commandBufferCount = 1;
-        check(vkAllocateCommandBuffers(device, &allocate, &commands));
-        VkFenceCreateInfo fenceInfo{};
-        fenceInfo.sType = VK_STRUCTURE_TYPE_FENCE_CREATE_INFO;
-        VkFence fence = VK_NULL_HANDLE;
-        check(vkCreateFence(device, &fenceInfo, nullptr, &fence));
-        done = {device, fence};
+        recorder = makeRecorder(device);
+        done = makeFence(device, 0);
         staging = Buffer(device, kStagingBytes, VK_BUFFER_USAGE_TRANSFER_SRC_BIT, MemoryUse::hostWrites);
     }
 
     const Device& device;
     Buffer staging;
-    CommandPool pool;
-    VkCommandBuffer commands = VK_NULL_HANDLE;
+    Recorder recorder;
     Fence done;
     std::vector<Arrival> running; ///< what is being copied
 };
@@ -181,29 +159,30 @@ void TileStream::copyArrived(std::span<ChunkPlace> places) {
     }
     if (toCopy_.empty()) return;
     check(vkResetFences(device_, 1, copy_->done.address()));
-    check(vkResetCommandPool(device_, copy_->pool, 0));
+    check(vkResetCommandPool(device_, copy_->recorder.pool, 0));
     VkCommandBufferBeginInfo begin{};
     begin.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO;
     begin.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
-    check(vkBeginCommandBuffer(copy_->commands, &begin));
+    check(vkBeginCommandBuffer(copy_->recorder.commands, &begin));
     std::size_t at = 0;
     while (!toCopy_.empty() && at + toCopy_.front().bytes.size() <= kStagingBytes) {
         Arrival& arrival = toCopy_.front();
         std::memcpy(copy_->staging.mapped() + at, arrival.bytes.data(), arrival.bytes.size());
         const VkBufferCopy region{at, std::size_t{arrival.place.firstTexel} * kTexelBytes, arrival.bytes.size()};
-        vkCmdCopyBuffer(copy_->commands, copy_->staging.handle(), pool_.bufferOf(arrival.place.page), 1, &region);
+        vkCmdCopyBuffer(copy_->recorder.commands, copy_->staging.handle(), pool_.bufferOf(arrival.place.page), 1,
+                        &region);
         at += arrival.bytes.size();
         arrival.bytes = {};
         copy_->running.push_back(std::move(arrival));
         toCopy_.pop_front();
     }
-    record(copy_->commands, {VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER_WRITE_BIT,
-                             VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, VK_ACCESS_SHADER_READ_BIT});
-    check(vkEndCommandBuffer(copy_->commands));
+    record(copy_->recorder.commands, {VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER_WRITE_BIT,
+                                      VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, VK_ACCESS_SHADER_READ_BIT});
+    check(vkEndCommandBuffer(copy_->recorder.commands));
     VkSubmitInfo submit{};
     submit.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO;
     submit.commandBufferCount = 1;
-    submit.pCommandBuffers = &copy_->commands;
+    submit.pCommandBuffers = &copy_->recorder.commands;
     check(vkQueueSubmit(device_.queue(0), 1, &submit, copy_->done));
 }
 
@@ -224,7 +203,7 @@ void TileStream::work() {
         if (isEnding_) return;
         hasNews_ = false;
         for (const std::uint32_t chunk : std::exchange(hasLeft_, {})) {
-            free_[loaded_[chunk].page].give(loaded_[chunk].firstTexel, texelsOf(index_.chunks[chunk]));
+            free_[loaded_[chunk].page].give(loaded_[chunk].firstTexel, index_.chunks[chunk].texels());
             states_[chunk] = State::absent;
             ++counts_.left;
             counts_.bytesThere -= index_.chunks[chunk].chunk.bytes();
@@ -275,7 +254,7 @@ TileStream::Choice TileStream::choose(const Wish& wish) const {
     std::erase_if(choice.wanted, [&](std::uint32_t chunk) { return states_[chunk] == State::kept; });
     std::uint64_t texels = 0;
     for (const std::uint32_t chunk : choice.wanted) {
-        texels += texelsOf(index_.chunks[chunk]);
+        texels += index_.chunks[chunk].texels();
         if (static_cast<double>(texels) > kFillShare * static_cast<double>(roomTexels_)) break;
         ++choice.count;
     }
@@ -285,11 +264,11 @@ TileStream::Choice TileStream::choose(const Wish& wish) const {
 void TileStream::askToLeave(const Choice& choice) {
     std::uint64_t needed = 0, free = 0;
     for (std::size_t i = 0; i < choice.count; ++i)
-        if (states_[choice.wanted[i]] == State::absent) needed += texelsOf(index_.chunks[choice.wanted[i]]);
+        if (states_[choice.wanted[i]] == State::absent) needed += index_.chunks[choice.wanted[i]].texels();
     for (const RangeAllocator& page : free_)
         free += page.free();
     for (std::size_t i = 0; i < states_.size(); ++i)
-        if (states_[i] == State::leaving) free += texelsOf(index_.chunks[i]);
+        if (states_[i] == State::leaving) free += index_.chunks[i].texels();
     if (free < needed) makeRoom(choice, needed - free);
 }
 
@@ -305,7 +284,7 @@ bool TileStream::makeRoom(const Choice& choice, std::uint64_t texels) {
         if (states_[choice.wanted[i - 1]] == State::there) candidates.push_back(choice.wanted[i - 1]);
     std::size_t count = 0;
     for (std::uint64_t made = 0; count < candidates.size() && made < texels; ++count)
-        made += texelsOf(index_.chunks[candidates[count]]);
+        made += index_.chunks[candidates[count]].texels();
     candidates.resize(count);
     {
         const std::lock_guard lock(mutex_);
@@ -319,21 +298,15 @@ bool TileStream::makeRoom(const Choice& choice, std::uint64_t texels) {
 
 bool TileStream::load(std::uint32_t number) {
     const IndexedChunk& chunk = index_.chunks[number];
-    const scene::TileBlock& block = blocks_[chunk.captured];
     std::optional<ChunkPlace> place;
     for (std::uint32_t page = 0; page < free_.size() && !place; ++page)
-        if (const auto first = free_[page].take(texelsOf(chunk))) place = {page, *first, false};
+        if (const auto first = free_[page].take(chunk.texels())) place = {page, *first, false};
     if (!place) return false;
     const std::size_t bytes = chunk.chunk.bytes();
     Arrival arrival{number, *place, {}};
     if (isStaged_) arrival.bytes.resize(bytes);
     std::byte* const to = isStaged_ ? arrival.bytes.data() : pool_.mapped(*place);
-    arrival.place.isDamaged = !scene::isSound(block, chunk.chunk, chunk.number);
-    if (arrival.place.isDamaged)
-        writePlaceholder(block, chunk.chunk, to);
-    else
-        scene::copyChunk(block, chunk.chunk, to);
-    scene::releaseChunk(block, chunk.chunk);
+    arrival.place.isDamaged = !bringChunk(blocks_[chunk.captured], chunk, to);
     {
         const std::lock_guard lock(mutex_);
         states_[number] = State::there;

@@ -147,7 +147,7 @@ void drawCuts(TileDraw draw, uint levelAndClass)
             cut &= ~subgroupBallot(gl_SubgroupInvocationID == lane);
             uvec2 quad = texelFetch(quads, int(draw.span.y + subgroupBroadcast(number, lane))).xy;
             uint drawn = subgroupBroadcast(halves, lane);
-            for (uint half_ = drawn == kLower ? kLower : kUpper; half_ <= drawn; ++half_) {
+            for (uint half_ = drawn == kLower ? kLower : kUpper; half_ <= min(drawn, kLower); ++half_) {
                 uvec3 colours;
                 vec4 a = cornerOf(draw, half_ == kLower ? quad.y >> 16 : quad.x, colours.x);
                 vec4 b = cornerOf(draw, quad.x >> 16, colours.y), c = cornerOf(draw, quad.y, colours.z);

@@ -17,14 +17,6 @@ namespace {
 
 class AdaptiveTest : public RenderTest {};
 
-CutScene cutInLevels(std::vector<scene::DepthImage> images) {
-    CutScene scene;
-    scene.images = std::move(images);
-    for (const scene::DepthImage& image : scene.images)
-        scene.sets.push_back(scene::cutIntoLevels(image, {}));
-    return scene;
-}
-
 Quality qualityOf(Warp warp, double samplePixels = 0) {
     Quality quality;
     quality.warp = warp;

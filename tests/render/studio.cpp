@@ -31,14 +31,6 @@ std::vector<Way> ways() {
     return all;
 }
 
-CutScene cutInLevels(std::vector<scene::DepthImage> images) {
-    CutScene scene;
-    scene.images = std::move(images);
-    for (const scene::DepthImage& image : scene.images)
-        scene.sets.push_back(scene::cutIntoLevels(image, {}));
-    return scene;
-}
-
 CutScene roomAllAround() {
     std::vector<scene::DepthImage> images = roomFromWithin(96).images;
     return cutInLevels(std::move(images));

@@ -30,9 +30,6 @@ inline bool isOfSurfaces(Warp warp) {
     return warp == Warp::mesh || warp == Warp::adaptive;
 }
 
-/// Cut into tiles with facets and coarser levels.
-CutScene cutInLevels(std::vector<scene::DepthImage> images);
-
 /// Six faces around a place in the room: something is seen wherever an eye near it looks.
 CutScene roomAllAround();
 

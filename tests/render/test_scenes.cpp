@@ -1,5 +1,7 @@
 #include "tests/render/test_scenes.h"
 
+#include "scene/pyramid.h"
+
 #include <glm/geometric.hpp>
 
 #include <algorithm>
@@ -131,6 +133,14 @@ CutScene cut(std::vector<scene::DepthImage> images, int tileSize) {
     scene.images = std::move(images);
     for (const scene::DepthImage& image : scene.images)
         scene.sets.push_back(scene::cutIntoTiles(image, tileSize));
+    return scene;
+}
+
+CutScene cutInLevels(std::vector<scene::DepthImage> images) {
+    CutScene scene;
+    scene.images = std::move(images);
+    for (const scene::DepthImage& image : scene.images)
+        scene.sets.push_back(scene::cutIntoLevels(image, {}));
     return scene;
 }
 

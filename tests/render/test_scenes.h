@@ -32,6 +32,8 @@ struct CutScene {
     std::vector<scene::TileBlock> blocks() const;
 };
 CutScene cut(std::vector<scene::DepthImage> images, int tileSize = scene::kDefaultTileSize);
+/// With coarser levels and facets.
+CutScene cutInLevels(std::vector<scene::DepthImage> images);
 
 /// Six square faces from the middle of the room, size pixels wide.
 CutScene roomFromWithin(int size, int tileSize = scene::kDefaultTileSize);

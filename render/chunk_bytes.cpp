@@ -1,4 +1,4 @@
-#include "render/placeholder.h"
+#include "render/chunk_bytes.h"
 
 #include "render/shaders/shared/unseen.h"
 
@@ -59,8 +59,6 @@ class Placeholder {
     std::uint32_t right_, below_, q_;
 };
 
-} // namespace
-
 void writePlaceholder(const scene::TileBlock& block, const scene::TileChunk& chunk, std::byte* to) {
     const auto put = [&](const auto& value) {
         std::memcpy(to, &value, sizeof value);
@@ -86,6 +84,18 @@ void writePlaceholder(const scene::TileBlock& block, const scene::TileChunk& chu
         for (std::uint32_t i = 0; i < scene::texelCountOf(tile); ++i)
             put(Placeholder(tile).texel(i));
     });
+}
+
+} // namespace
+
+bool bringChunk(const scene::TileBlock& block, const IndexedChunk& chunk, std::byte* to) {
+    const bool isSound = scene::isSound(block, chunk.chunk, chunk.number);
+    if (isSound)
+        scene::copyChunk(block, chunk.chunk, to);
+    else
+        writePlaceholder(block, chunk.chunk, to);
+    scene::releaseChunk(block, chunk.chunk);
+    return isSound;
 }
 
 } // namespace render
