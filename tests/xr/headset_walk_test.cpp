@@ -245,8 +245,8 @@ void expectTheProcessorsWarp(const std::vector<Drawn>& pictures, const std::stri
 }
 
 TEST_F(HeadsetWalk, TheStreetCornerIsDrawnForEachEyeWhileTheHeadMoves) {
-    const app::SampleScene corner("corner", 12, "320x240");
-    const auto pictures = walkAndDraw(corner.scene(), {.hertz = 200, .width = 320, .height = 240, .validation = true});
+    const app::SampleScene corner("corner", 12, "240x180");
+    const auto pictures = walkAndDraw(corner.scene(), {.hertz = 200, .width = 240, .height = 180, .validation = true});
     ASSERT_FALSE(HasFailure());
     expectWhatRenderDraws(pictures);
     expectThatTheHeadMoved(pictures);
@@ -258,8 +258,8 @@ TEST_F(HeadsetWalk, TheLivingRoomIsDrawnForEachEyeWhileTheHeadMoves) {
     const std::filesystem::path capture = tests::dataFolder() / "rgbd_livingroom1_synth";
     if (!std::filesystem::exists(capture)) GTEST_SKIP() << "because there is no " << capture;
     const std::string room = (scratch_ / "room.revisit").string();
-    app::prepare(capture.string(), room, scratch_.path(), {"--hold-out", allButEvery(5, capture / "image").string()});
-    const auto pictures = walkAndDraw(room, {.hertz = 200, .width = 240, .height = 180, .validation = true});
+    app::prepare(capture.string(), room, scratch_.path(), {"--hold-out", allButEvery(15, capture / "image").string()});
+    const auto pictures = walkAndDraw(room, {.hertz = 200, .width = 192, .height = 144, .validation = true});
     ASSERT_FALSE(HasFailure());
     expectWhatRenderDraws(pictures);
     expectThatTheHeadMoved(pictures);

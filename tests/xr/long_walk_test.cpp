@@ -34,13 +34,13 @@ void writePath(const fs::path& path, double seconds) {
 }
 
 TEST(LongWalk, TwentyThousandFramesTakeNoMoreThanAThousand) {
-    const app::SampleScene room("room", 6, "160x120");
+    const app::SampleScene room("room", 4, "80x60");
     const scene::ScratchFolder scratch;
     const fs::path path = scratch / "path.json", out = scratch / "out";
     writePath(path, 30);
     app::Walker walker(
         app::givingMemoryBack({REVISIT_PROGRAM, "walk", room.scene(), "--headless", "--path", path.string(), "--rate",
-                               "1000", "--size", "96x72", "--out", out.string(), "--picture-every", "1000"}),
+                               "1000", "--size", "32x24", "--out", out.string(), "--picture-every", "1000"}),
         scratch.path());
     const auto isKept = [&](const char* name) { return [&out, name] { return fs::exists(out / name); }; };
     ASSERT_TRUE(walker.waitUntil(isKept("frame-001000-right.png"))) << walker.said();

@@ -20,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kPictureEvery = 50, kRepetitions = 20, kSettled = 5;
+constexpr int kPictureEvery = 20, kRepetitions = 20, kSettled = 5;
 constexpr double kMemoryGrowth = 1.02;
 
 /// Without controllers: the walker would be shown them.
