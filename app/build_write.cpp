@@ -182,6 +182,7 @@ void writeScene(const std::filesystem::path& output, const scene::Capture& captu
                       {"built", explain(capture, overlaps, options)},
                       {"images", images},
                       {"held_out", heldOutCameras},
+                      {"whole_images", !options.cull},
                       {"walk_from_world", rowMajor({})},
                       {"coverage", !coverage.file.empty()},
                       {"figures",

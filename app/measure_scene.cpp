@@ -6,6 +6,7 @@
 #include "app/measure_table.h"
 #include "app/progress.h"
 #include "app/scene_memory.h"
+#include "app/selection.h"
 #include "app/stage_store.h"
 #include "app/truth.h"
 #include "app/version.h"
@@ -114,9 +115,21 @@ render::EyeImage sideBySide(const scene::Image<scene::Rgb8>& drawn, const scene:
     return pair;
 }
 
+/// The scene where it is drawn.
+struct Drawn {
+    const render::Device& device;
+    render::GpuScene& gpuScene;
+    const render::GpuCoverage* coverage;
+    Selection& selection;
+
+    void prepare(std::span<const scene::View> eyes, const render::Quality& quality) const {
+        selection.choose(gpuScene, eyes, quality);
+        gpuScene.settle(eyes, quality);
+    }
+};
+
 /// Every setting from every camera; the worst picture of each setting is written beside its photograph.
-void compare(const MeasureOptions& o, const std::vector<TruthSource>& truths, const render::Device& device,
-             render::GpuScene& gpuScene, const render::GpuCoverage* coverage, const Plan& plan,
+void compare(const MeasureOptions& o, const std::vector<TruthSource>& truths, const Drawn& on, const Plan& plan,
              std::vector<MeasuredSetting>& measured) {
     std::vector<double> worst(measured.size(), std::numeric_limits<double>::infinity());
     std::vector<render::EyeImage> worstPairs(measured.size());
@@ -127,11 +140,11 @@ void compare(const MeasureOptions& o, const std::vector<TruthSource>& truths, co
         const scene::Camera& camera = source.view.camera;
         if (!renderer || renderer->width() != camera.width || renderer->height() != camera.height) {
             renderer.reset();
-            renderer.emplace(device, gpuScene, camera.width, camera.height, 1, coverage);
+            renderer.emplace(on.device, on.gpuScene, camera.width, camera.height, 1, on.coverage);
         }
         const scene::View view{camera, source.view.worldFromCamera};
         for (std::size_t i = 0; i < measured.size(); ++i) {
-            gpuScene.settle({&view, 1}, plan.settings[i].quality);
+            on.prepare({&view, 1}, plan.settings[i].quality);
             renderer->draw({&view, 1}, plan.settings[i].quality);
             const std::vector<render::EyeImage> drawn = renderer->readBack();
             measured[i].pictures.push_back({source.view.name, errorOf(drawn[0], truth)});
@@ -147,10 +160,9 @@ void compare(const MeasureOptions& o, const std::vector<TruthSource>& truths, co
 }
 
 /// Every setting at every place, in turn, so that whatever else the machine does meets all of them alike.
-void time(const MeasureOptions& o, const std::vector<scene::Pose>& heads, const render::Device& device,
-          render::GpuScene& gpuScene, const render::GpuCoverage* coverage, const Plan& plan,
+void time(const MeasureOptions& o, const std::vector<scene::Pose>& heads, const Drawn& on, const Plan& plan,
           std::vector<MeasuredSetting>& measured) {
-    render::Renderer renderer(device, gpuScene, o.width, o.height, 2, coverage);
+    render::Renderer renderer(on.device, on.gpuScene, o.width, o.height, 2, on.coverage);
     std::vector<FrameReport> reports(measured.size());
     const scene::Camera camera = eyeCamera(o);
     const auto eyesAt = [&](const scene::Pose& head) {
@@ -166,7 +178,7 @@ void time(const MeasureOptions& o, const std::vector<scene::Pose>& heads, const 
     for (const scene::Pose& head : heads) {
         const std::array eyes = eyesAt(head);
         for (std::size_t i = 0; i < measured.size(); ++i) {
-            gpuScene.settle(eyes, plan.settings[i].quality);
+            on.prepare(eyes, plan.settings[i].quality);
             const auto start = std::chrono::steady_clock::now();
             renderer.draw(eyes, plan.settings[i].quality);
             const render::FrameStats stats = renderer.finish();
@@ -176,7 +188,7 @@ void time(const MeasureOptions& o, const std::vector<scene::Pose>& heads, const 
         progress.advance();
     }
     for (std::size_t i = 0; i < measured.size(); ++i) {
-        const json summary = reports[i].summarise(device, gpuScene, json::object());
+        const json summary = reports[i].summarise(on.device, on.gpuScene, json::object());
         for (const char* field : {"frame_ms", "cpu_ms", "gpu_ms", "tiles_drawn", "samples_drawn"})
             measured[i].times[field] = summary.at(field);
         measured[i].medianMilliseconds = summary["frame_ms"]["median"];
@@ -240,8 +252,10 @@ void measureScene(const MeasureOptions& o) {
     std::vector<MeasuredSetting> measured;
     for (const Preset& setting : plan.settings)
         measured.push_back({.name = setting.name, .quality = toJson(setting.quality)});
-    compare(o, truths, device, gpuScene, coverage, plan, measured);
-    time(o, heads, device, gpuScene, coverage, plan, measured);
+    Selection selection(scene);
+    const Drawn on{device, gpuScene, coverage, selection};
+    compare(o, truths, on, plan, measured);
+    time(o, heads, on, plan, measured);
 
     const std::span<const MeasuredSetting> all = measured;
     const json report{{"revisit", "measure"},

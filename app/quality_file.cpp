@@ -165,6 +165,11 @@ std::vector<Knob> makeKnobs() {
             "hole_same_surface", "", "relative difference in depth up to which a hole's two ends are of one surface",
             {0, 1}, {0.01, 0.1}, [](auto& q) -> auto& { return q.holes.sameSurface; }),
         yesOrNo(
+            "walk_cells",
+            "where whole images were taken all round from several positions, only those of the positions about the "
+            "walker are drawn",
+            {false}, [](auto& q) -> auto& { return q.walksByCells; }),
+        yesOrNo(
             "show_unseen", "where no image ever looked is shown as unseen, else as emptiness", {false},
             [](auto& q) -> auto& { return q.showUnseen; }),
         number(
@@ -200,7 +205,9 @@ Quality drawn(const char* warp, double resolutionScale) {
 }
 
 std::vector<Preset> makePresets() {
-    return {{"fast", drawn("points", 0.7)}, {"balanced", drawn("points", 1)}, {"best", drawn("blended", 1)}};
+    Quality best = drawn("blended", 1);
+    best.walksByCells = false;
+    return {{"fast", drawn("points", 0.7)}, {"balanced", drawn("points", 1)}, {"best", best}};
 }
 
 void requireObject(const json& object, const std::string& where) {

@@ -5,6 +5,7 @@
 #include "app/frame_report.h"
 #include "app/progress.h"
 #include "app/scene_memory.h"
+#include "app/selection.h"
 #include "app/stage_store.h"
 #include "app/view_files.h"
 
@@ -120,6 +121,7 @@ void renderScene(const RenderOptions& options) {
     const render::Quality quality = qualityOf(options.draw);
     Canvas canvas(scene, quality.showUnseen, memoryFor(options.draw));
     DamageTeller damage;
+    Selection selection(scene);
 
     std::error_code error;
     std::filesystem::create_directories(options.out, error);
@@ -143,6 +145,7 @@ void renderScene(const RenderOptions& options) {
         while (images.empty()) {
             const render::Quality given = without(quality, givenUp);
             try {
+                selection.choose(canvas.gpuScene(), eyeViews, given);
                 canvas.gpuScene().settle(eyeViews, given);
                 for (const std::string& sentence : damage.news(canvas.gpuScene(), scene))
                     std::fprintf(stderr, "revisit: %s\n", sentence.c_str());

@@ -96,7 +96,7 @@ bool Walk::isAskedToEnd() const {
 
 Walk::Walk(const scene::Scene& scene, const WalkOptions& options, DeskSide* deskSide)
     : scene_(scene), options_(options), deskSide_(deskSide), knobs_(knobsOf(options)),
-      worldFromWalk_(inverse(scene.walkFromWorld)), record_(options) {
+      worldFromWalk_(inverse(scene.walkFromWorld)), record_(options), selection_(scene) {
     if (options.framesPerSecond > 0 && options.holdsRate.value_or(!options.isHeadless))
         governed_.emplace(options.framesPerSecond);
     if (!options.path.empty()) path_ = pathOf(options.path, scene.walkFromWorld);
@@ -338,6 +338,7 @@ void Walk::draw(WalkStage& stage, xr::ViewSource& source, const xr::Frame& frame
     if (isDesk(source) || (deskSide_ != nullptr && deskSide_->desk.wantsPicture())) renderer.keepNext();
     fillOverlay(source);
     drawn_ = without(governed_ ? governed_->next(knobs_.quality, renderer.frames()) : knobs_.quality, givenUp_);
+    selection_.choose(stage.gpuScene(), std::span(views).first(eyes), drawn_, seconds_);
     if (options_.isHeadless && stage.gpuScene().isStreamed()) {
         if (renderer.frames() > 0) renderer.finish(); // nobody waits, and pictures must not hang on the disk
         stage.gpuScene().settle(std::span(views).first(eyes), drawn_);

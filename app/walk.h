@@ -7,6 +7,7 @@
 #include "app/device_trouble.h"
 #include "app/governed_quality.h"
 #include "app/scene_memory.h"
+#include "app/selection.h"
 #include "app/walk_record.h"
 #include "app/walk_stage.h"
 
@@ -95,6 +96,7 @@ class Walk {
     WalkRecord record_;
     FrameReport report_;
     DamageTeller damage_;
+    Selection selection_;
     nlohmann::json lastReport_;
     render::FrameStats stats_;
     std::optional<GovernedQuality> governed_;

@@ -48,10 +48,13 @@ void chooseBlendDraws(const SceneIndex& scene, std::span<const ChunkPlace> place
             if (tile.pointCount == 0 || !isWhole(places[tile.chunk])) continue;
             const auto spot = scene::blendSpotOf(sources[tile.image].eyeImageFromSource, boxOf(scene.bounds, number),
                                                  tile.middle, eyeFromCamera, options);
-            if (!spot || unit * spot->weight < 0.5f) continue; // would count nothing anywhere
+            if (!spot) continue;
+            const float weight = sources[tile.image].share * spot->weight;
+            if (unit * weight < 0.5f) continue; // would count nothing anywhere
             const std::uint32_t place = piece.first + list.counts[p]++;
             list.numbers[place] = number;
             list.spots[place] = *spot;
+            list.spots[place].weight = weight;
         }
     });
 

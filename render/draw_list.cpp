@@ -227,8 +227,8 @@ TileDraw tileDrawOf(const glm::dmat4& c, const ResidentTile& tile, int orderLeve
 }
 
 std::vector<SourceView> sourceViewsOf(std::span<const ResidentImage> images, const scene::View& eye,
-                                      const Quality& quality, std::span<const ImageSphere> spheres,
-                                      double marginPixels) {
+                                      const Quality& quality, std::span<const ImageSphere> spheres, double marginPixels,
+                                      std::span<const float> shares) {
     std::vector<std::uint8_t> isOut(spheres.size(), 0);
     const ViewWedge wedge = wedgeOf(eye, marginPixels);
     for (std::size_t i = 0; i < spheres.size(); ++i)
@@ -238,7 +238,8 @@ std::vector<SourceView> sourceViewsOf(std::span<const ResidentImage> images, con
         const ResidentImage& image = images[i];
         SourceView& view = views[i];
         view.captured = image.captured, view.level = image.level, view.hasCoarser = image.hasCoarser;
-        view.isOut = !spheres.empty() && isOut[image.captured] != 0;
+        if (!shares.empty()) view.share = shares[image.captured];
+        view.isOut = view.share <= 0 || (!spheres.empty() && isOut[image.captured] != 0);
         if (view.isOut) continue;
         view.eyeImageFromSource = scene::eyeImageFromSourceImage(eye, image.camera, image.worldFromCamera);
         view.eyeFromCamera = eye.worldFromEye.translation - image.worldFromCamera.translation;
@@ -390,7 +391,7 @@ void writeDraws(const SceneIndex& scene, std::span<const ChunkPlace> places, std
             }
             draw.span.w = packMark(chosen.orderLevel, classOf(tile, place), tile.placeBits, footprint);
             draw.source.z |= source.level;
-            draw.source.w = source.captured;
+            draw.source.w = packSource(source.captured, source.share);
             draw.detail = vec4(chosen.detail.x, chosen.detail.y, chosen.detail.z, static_cast<float>(chosen.run));
             draws[i] = draw;
         }

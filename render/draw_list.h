@@ -18,16 +18,18 @@ struct SourceView {
     glm::dvec3 eyeFromCamera{0};        ///< how far the eye stands from the camera, metres in the world
     double pixelsPerSample = 1;         ///< how wide the eye sees a sample from where it was taken
     std::uint32_t captured = 0, level = 0;
+    float share = 1; ///< of its samples, that are drawn
     bool hasCoarser = false;
     bool isOut = false; ///< nothing of it can be seen; then the rest is not known
     bool isNear = true; ///< the camera stands near the eye, by what it mostly sees: all levels of an image alike
 };
 
 /// spheres: of the captured images, to pass over those that lie beside the eye's picture or behind it (as far outside
-/// as marginPixels counts as within); or none.
+/// as marginPixels counts as within); or none. shares: of the captured images' samples, as many as are drawn; or none:
+/// all.
 std::vector<SourceView> sourceViewsOf(std::span<const ResidentImage> images, const scene::View& eye,
                                       const Quality& quality, std::span<const ImageSphere> spheres = {},
-                                      double marginPixels = 0);
+                                      double marginPixels = 0, std::span<const float> shares = {});
 
 /// Consecutive draws from one page by one shader.
 struct DrawRun {

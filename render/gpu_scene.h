@@ -54,12 +54,20 @@ class GpuScene {
     std::size_t bytesKept() const { return bytesKept_; } ///< of what is always there
     StreamCounts streamCounts() const { return stream_ ? stream_->counts() : StreamCounts{}; }
 
+    /// How many of each captured image's samples are drawn from the next frame on, as shares; empty: all of all. soon:
+    /// those that may be wanted next, to be fetched before they are; at least what is wanted now.
+    void showOnly(std::span<const float> shares, std::span<const float> soon) {
+        shares_.assign(shares.begin(), shares.end());
+        soon_.assign(soon.begin(), soon.end());
+    }
+    std::span<const float> shares() const { return shares_; }
+
     /// Before each frame that these eyes get (see TileStream); nothing to do where all is there.
     void follow(std::span<const scene::View> eyes, const Quality& quality) {
-        if (stream_) stream_->follow(eyes, quality, places_);
+        if (stream_) stream_->follow({eyes, quality, soon_}, places_);
     }
     void settle(std::span<const scene::View> eyes, const Quality& quality) {
-        if (stream_) stream_->settle(eyes, quality, places_);
+        if (stream_) stream_->settle({eyes, quality, shares_}, places_);
     }
 
     /// Chunks found damaged since the last call: placeholders are drawn for them, of class unseen.
@@ -73,6 +81,7 @@ class GpuScene {
     SceneIndex index_;
     std::vector<ChunkPlace> places_;
     std::unique_ptr<TilePool> pool_;
+    std::vector<float> shares_, soon_;
     std::vector<std::uint32_t> damaged_;
     std::size_t bytesKept_ = 0;
     std::unique_ptr<TileStream> stream_; ///< goes first; null where all is there

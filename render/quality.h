@@ -46,6 +46,10 @@ struct Quality {
     /// of one or two pixels, where such are filled anyway. It pays where much is hidden.
     bool leavesOutHidden = true;
 
+    /// Only images of the positions about the walker are drawn (scene/plan/walk_cells.h), in a scene that can be walked
+    /// so: a frame's cost then does not grow with the number of positions.
+    bool walksByCells = true;
+
     /// Where no image ever looked is shown as unseen, in a scene that knows (GpuCoverage). False: as emptiness.
     bool showUnseen = true;
 

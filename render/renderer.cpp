@@ -149,7 +149,7 @@ void Renderer::choose(Eye& eye, const scene::View& given, const Quality& quality
     eye.times.clear();
     timed(eye.times, "cull", index, [&] {
         const double margin = marginOf(quality, scene_);
-        eye.sources = sourceViewsOf(scene_.images(), view, quality, scene_.index().spheres, margin);
+        eye.sources = sourceViewsOf(scene_.images(), view, quality, scene_.index().spheres, margin, scene_.shares());
         eye.planes.resize(eye.sources.size());
         for (std::size_t i = 0; i < eye.sources.size(); ++i)
             if (eye.sources[i].isOut)

@@ -100,12 +100,12 @@ std::vector<std::uint32_t> chunksToKeep(const SceneIndex& index, std::size_t bud
     return kept;
 }
 
-std::vector<std::uint32_t> chunksWanted(const SceneIndex& index, const CoarserChunks& coarser,
-                                        std::span<const scene::View> eyes, const Quality& quality) {
+std::vector<std::uint32_t> chunksWanted(const SceneIndex& index, const CoarserChunks& coarser, const LookedAt& looked) {
     std::vector<double> wants(index.chunks.size(), 0.0);
     tbb::parallel_for(std::size_t{0}, wants.size(), [&](std::size_t i) {
-        for (const scene::View& eye : eyes)
-            wants[i] = std::max(wants[i], wantOf(index, index.chunks[i], eye, quality));
+        if (!looked.shares.empty() && looked.shares[index.chunks[i].captured] <= 0) return;
+        for (const scene::View& eye : looked.eyes)
+            wants[i] = std::max(wants[i], wantOf(index, index.chunks[i], eye, looked.quality));
     });
     // Chunks of a block ascend by level, so that what stands for a chunk comes later.
     for (std::uint32_t i = 0; i < wants.size(); ++i)

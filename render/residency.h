@@ -28,10 +28,16 @@ std::vector<std::uint32_t> chunksToKeep(const SceneIndex& index, std::size_t bud
 
 inline constexpr double kKeptShare = 0.5; ///< of the budget, if the coarsest level is not more
 
+/// What is looked at, and how.
+struct LookedAt {
+    std::span<const scene::View> eyes;
+    const Quality& quality;
+    std::span<const float> shares; ///< of the captured images' samples; 0: nothing of it is drawn; empty: all of all
+};
+
 /// All chunks that these eyes want, most wanted first: those whose samples are seen widest, by pixels; those in view
 /// before others. A chunk never comes before what stands for it. Wanted is what may be drawn at this quality from
 /// there, whichever way the eyes turn.
-std::vector<std::uint32_t> chunksWanted(const SceneIndex& index, const CoarserChunks& coarser,
-                                        std::span<const scene::View> eyes, const Quality& quality);
+std::vector<std::uint32_t> chunksWanted(const SceneIndex& index, const CoarserChunks& coarser, const LookedAt& looked);
 
 } // namespace render

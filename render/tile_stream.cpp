@@ -67,7 +67,7 @@ TileStream::~TileStream() {
     if (copy_ && !copy_->running.empty()) static_cast<void>(vkDeviceWaitIdle(device_));
 }
 
-void TileStream::follow(std::span<const scene::View> eyes, const Quality& quality, std::span<ChunkPlace> places) {
+void TileStream::follow(const LookedAt& looked, std::span<ChunkPlace> places) {
     ++frame_;
     if (std::exchange(showsOnlyDesired_, false)) {
         const std::lock_guard lock(mutex_);
@@ -79,12 +79,12 @@ void TileStream::follow(std::span<const scene::View> eyes, const Quality& qualit
     }
     takeOver(places, false);
     copyArrived(places);
-    wish(eyes, quality, false);
+    wish(looked, false);
 }
 
-void TileStream::settle(std::span<const scene::View> eyes, const Quality& quality, std::span<ChunkPlace> places) {
+void TileStream::settle(const LookedAt& looked, std::span<ChunkPlace> places) {
     ++frame_;
-    const std::uint64_t number = wish(eyes, quality, true);
+    const std::uint64_t number = wish(looked, true);
     for (;;) {
         takeOver(places, true);
         while (copy_ && (!toCopy_.empty() || !copy_->running.empty())) {
@@ -104,12 +104,13 @@ void TileStream::settle(std::span<const scene::View> eyes, const Quality& qualit
     }
 }
 
-std::uint64_t TileStream::wish(std::span<const scene::View> eyes, const Quality& quality, bool isSettling) {
+std::uint64_t TileStream::wish(const LookedAt& looked, bool isSettling) {
     std::uint64_t number = 0;
     {
         const std::lock_guard lock(mutex_);
-        wish_.eyes.assign(eyes.begin(), eyes.end());
-        wish_.quality = quality;
+        wish_.eyes.assign(looked.eyes.begin(), looked.eyes.end());
+        wish_.quality = looked.quality;
+        wish_.shares.assign(looked.shares.begin(), looked.shares.end());
         wish_.isSettling = isSettling;
         number = ++wish_.number;
         hasNews_ = true;
@@ -250,7 +251,7 @@ void TileStream::serve(const Wish& wish) {
 }
 
 TileStream::Choice TileStream::choose(const Wish& wish) const {
-    Choice choice{chunksWanted(index_, coarser_, wish.eyes, wish.quality), 0};
+    Choice choice{chunksWanted(index_, coarser_, {wish.eyes, wish.quality, wish.shares}), 0};
     std::erase_if(choice.wanted, [&](std::uint32_t chunk) { return states_[chunk] == State::kept; });
     std::uint64_t texels = 0;
     for (const std::uint32_t chunk : choice.wanted) {

@@ -40,11 +40,11 @@ class TileStream {
 
     /// Once before each frame, by the thread that draws: takes over what has arrived, gives back what nobody may be
     /// reading any more, and says what the eyes now look at. Never waits for the disk.
-    void follow(std::span<const scene::View> eyes, const Quality& quality, std::span<ChunkPlace> places);
+    void follow(const LookedAt& looked, std::span<ChunkPlace> places);
 
     /// Waits until all is there that these eyes want and that fits, and shows just that, so that what is drawn depends
     /// on the eyes alone. No frame may be running on the device.
-    void settle(std::span<const scene::View> eyes, const Quality& quality, std::span<ChunkPlace> places);
+    void settle(const LookedAt& looked, std::span<ChunkPlace> places);
 
     /// Chunks that were found damaged since the last call, and are drawn as placeholders.
     std::vector<std::uint32_t> takeDamaged();
@@ -64,13 +64,14 @@ class TileStream {
     struct Wish {
         std::vector<scene::View> eyes;
         Quality quality;
+        std::vector<float> shares;
         std::uint64_t number = 0;
         bool isSettling = false;
     };
     struct Copy; ///< what goes through a staging buffer
 
     // The thread that draws.
-    std::uint64_t wish(std::span<const scene::View> eyes, const Quality& quality, bool isSettling);
+    std::uint64_t wish(const LookedAt& looked, bool isSettling);
     void takeOver(std::span<ChunkPlace> places, bool isIdle);
     void copyArrived(std::span<ChunkPlace> places);
 

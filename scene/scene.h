@@ -26,6 +26,7 @@ struct Scene {
     std::filesystem::path folder;
     std::vector<SceneImage> images;
     std::vector<SceneImage> heldOut; ///< cameras kept out of the scene, to compare with
+    bool hasWholeImages = false;     ///< each image holds all that it saw: redundancy was not culled
     Pose walkFromWorld;              ///< metres, +Y up, floor at Y = 0, the start at the origin
     std::string manifest;            ///< scene.json as it was written
     MappedFile tilesFile;

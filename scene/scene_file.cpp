@@ -227,6 +227,7 @@ bool readManifest(Scene& scene, const std::filesystem::path& path) {
             matrix[i % 4][i / 4] = root.at("walk_from_world").at(static_cast<std::size_t>(i)).get<double>();
         if (!poseFromMatrix(matrix, 1e-6, scene.walkFromWorld))
             throw Failure("has no usable walk_from_world", path, kRemedy);
+        scene.hasWholeImages = root.value("whole_images", false);
         return root.value("coverage", false);
     } catch (const json::parse_error& e) {
         throw Failure("is not valid JSON", atByte(path, e.byte), kRemedy);

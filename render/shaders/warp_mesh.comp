@@ -49,7 +49,7 @@ vec3 warpCorner(TileDraw draw, uint index, out uint colour, out bool isUsable)
 /// A square goes with its top left sample, one to the left of the one that any half of it has.
 bool isSquareOfDetail(TileDraw draw, uvec2 quad)
 {
-    if (draw.detail.x == 0.0f) return true;
+    if (!isByDetail(draw)) return true;
     uint place = texelFetch(vertices, int(draw.span.x + ((quad.x >> 16) & kIndexMask))).x;
     uvec2 at = columnAndRowOf(draw, place);
     return isOfDetail(draw, max(at.x, 1u) - 1u, at.y, warpSample(draw, place).z);

@@ -37,7 +37,7 @@ void main()
         uvec2 vertex = texelFetch(vertices, int(draw.span.y + i)).xy;
         vec4 h = warpSample(draw, vertex.x);
         if (!isBeforeEye(h)) continue;
-        if (draw.detail.x != 0.0f) {
+        if (isByDetail(draw)) {
             uvec2 at = columnAndRowOf(draw, vertex.x);
             if (!isOfDetail(draw, at.x, at.y, h.z)) continue;
         }

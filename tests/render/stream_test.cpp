@@ -93,7 +93,7 @@ TEST_F(StreamTest, WhatStandsForAChunkIsWantedBeforeIt) {
     Quality quality;
     quality.preference.nearBaseline = 0.07f;
     const scene::View eye = eyeIn(1, 0.5);
-    const std::vector<std::uint32_t> wanted = chunksWanted(index, coarser, {&eye, 1}, quality);
+    const std::vector<std::uint32_t> wanted = chunksWanted(index, coarser, {{&eye, 1}, quality, {}});
     std::vector<std::size_t> rank(index.chunks.size(), wanted.size());
     for (std::size_t i = 0; i < wanted.size(); ++i)
         rank[wanted[i]] = i;
@@ -117,7 +117,7 @@ TEST_F(StreamTest, WhatStandsForAChunkIsWantedBeforeIt) {
     EXPECT_LT(rank[firstOf(12, 18)], rank[firstOf(18, 24)]);
 
     quality.samplePixels = 1;
-    EXPECT_LT(chunksWanted(index, coarser, {&eye, 1}, quality).size(), wanted.size())
+    EXPECT_LT(chunksWanted(index, coarser, {{&eye, 1}, quality, {}}).size(), wanted.size())
         << "where coarse samples suffice, finer ones are not asked for";
 }
 

@@ -3,6 +3,9 @@
 // Levels of detail that change without popping: where one level passes into the next, a hash of the coarser sample says
 // which of its two levels is drawn. It depends on the sample alone, so that both eyes and all frames agree.
 //
+// Images come and go the same way (scene/plan/walk_cells.h): a hash of the sample says whether it belongs to the share
+// of its image's samples that is drawn.
+//
 // A sample of level L is drawn if its own level is wanted there and the next coarser one is not. How much a level is
 // wanted rises with w = (depth in the eye) / (depth in the source): samples are seen as wide as 2^L r / w pixels, r
 // being the ratio of focal lengths.
@@ -35,18 +38,27 @@ SHARED_FUNCTION float shareOfLevel(float measure) {
     return clamp(share, 0.0f, 1.0f);
 }
 
+/// Whether isOfDetail says yes to some of a draw's samples only.
+SHARED_FUNCTION bool isByDetail(TileDraw draw) {
+    return draw.detail.x != 0.0f || draw.source.w >= kMostImages;
+}
+
+/// So that what an image's share and its levels leave out are not the same samples.
+SHARED_CONSTANT uint kShareSalt = 128u;
+
 /// Whether the sample (x, y), counted from its tile's first, is drawn at this w. draw.detail: measure of its own level
 /// over w; 1 if there is a finer level; 1 if there is a coarser one.
 SHARED_FUNCTION bool isOfDetail(TileDraw draw, uint x, uint y, float w) {
-    if (draw.detail.x == 0.0f) return true;
-    uint imageX = draw.source.x + x, imageY = draw.source.y + y, level = draw.source.z & 255u;
+    uint imageX = draw.source.x + x, imageY = draw.source.y + y, level = draw.source.z & 255u, image = imageOf(draw);
+    bool isShown = hashOfSample(imageX, imageY, level + kShareSalt, image) < shareOf(draw);
+    if (draw.detail.x == 0.0f) return isShown;
     PRECISE float measure = draw.detail.x * w;
     PRECISE float own = measure * (1.0f + kDetailOverlap);
     PRECISE float coarser = measure * (0.5f - 0.5f * kDetailOverlap);
-    bool isWanted = draw.detail.y == 0.0f || hashOfSample(imageX, imageY, level, draw.source.w) < shareOfLevel(own);
-    bool isReplaced = draw.detail.z != 0.0f &&
-                      hashOfSample(imageX >> 1, imageY >> 1, level + 1u, draw.source.w) < shareOfLevel(coarser);
-    return isWanted && !isReplaced;
+    bool isWanted = draw.detail.y == 0.0f || hashOfSample(imageX, imageY, level, image) < shareOfLevel(own);
+    bool isReplaced =
+        draw.detail.z != 0.0f && hashOfSample(imageX >> 1, imageY >> 1, level + 1u, image) < shareOfLevel(coarser);
+    return isShown && isWanted && !isReplaced;
 }
 
 SHARED_END

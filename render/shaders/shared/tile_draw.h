@@ -20,7 +20,7 @@ struct TileDraw {
     uvec4 span; ///< first vertex (facets: texel; splats: see splat.h) in the page; first item (vertex, quad or facet);
                 ///< items; see packMark
     uvec4 source; ///< first sample in its image, x and y; level of detail | width + 1 << 8 | height << 20, in samples
-                  ///< (rows of texels are as long); image
+                  ///< (rows of texels are as long); see packSource
     vec4 detail;  ///< see isOfDetail; x 0: all samples are drawn. w: number of the draw's run in its batch
 };
 
@@ -48,6 +48,20 @@ SHARED_FUNCTION uint placeBitsOf(TileDraw draw) {
 }
 SHARED_FUNCTION int footprintOf(TileDraw draw) {
     return int(draw.span.w & 0xfffu);
+}
+
+/// Which image a draw's samples are of, and how many of them are left out, in source.w.
+SHARED_CONSTANT uint kImageBits = 24u, kMostImages = 1u << 24;
+SHARED_FUNCTION uint packSource(uint image, float share) {
+    return image | (uint(int((1.0f - share) * 255.0f + 0.5f)) << kImageBits);
+}
+SHARED_FUNCTION uint imageOf(TileDraw draw) {
+    return draw.source.w & (kMostImages - 1u);
+}
+/// In [0, 1].
+SHARED_FUNCTION float shareOf(TileDraw draw) {
+    PRECISE float share = 1.0f - float(int(draw.source.w >> kImageBits)) / 255.0f;
+    return share;
 }
 
 /// Nearest surface that is drawn, 10 micrometres before the eye, as eye disparity in 1/m.
