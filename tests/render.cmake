@@ -18,6 +18,7 @@ revisit_test(revisit_render_tests LABELS gpu LINKS revisit_render_scenes TBB::tb
         render/points_test.cpp
         render/reference.cpp
         render/rescale_test.cpp
+        render/selection_test.cpp
         render/shared_math_test.cpp
         render/splats_test.cpp
         render/studio.cpp
