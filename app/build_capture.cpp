@@ -67,6 +67,14 @@ std::vector<glm::dvec3> choosePositions(const scene::PolygonTracer& tracer, cons
     return readPositionsFile(folder / "positions.json");
 }
 
+/// Nothing where there is no floor below, or one that no walker's eye is above.
+std::optional<double> heightAboveFloor(const scene::PolygonTracer& tracer, const glm::dvec3& position) {
+    constexpr double kTallestMetres = 3.0;
+    const std::optional<scene::PolygonHit> floor = tracer.cast(position, {0, -1, 0});
+    if (!floor || floor->t > kTallestMetres) return std::nullopt;
+    return floor->t;
+}
+
 } // namespace
 
 json describeLight(const scene::CaptureLight& light) {
@@ -97,6 +105,7 @@ ImportedImages capturePolygons(scene::Capture& capture, const BuildOptions& opti
     imported.polygons = {countTriangles(polygons), std::ssize(polygons.instances), std::ssize(polygons.materials),
                          std::ssize(polygons.textures), choosePositions(tracer, files, options, store)};
     const std::vector<glm::dvec3>& positions = imported.polygons.positionsInWorld;
+    imported.eyeMetres = heightAboveFloor(tracer, positions.front());
 
     std::optional<scene::SurfaceLight> light; // not needed where all is there already
     std::vector<std::string> keys;

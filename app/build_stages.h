@@ -11,6 +11,8 @@
 #include "scene/refine/cover.h"
 #include "scene/refine/pairs.h"
 
+#include <optional>
+
 namespace app {
 
 /// Light as scene.json and keys have it.
@@ -32,6 +34,7 @@ struct ImportedImages {
     std::string key;
     scene::CubeFaceReport scanPoints; ///< summed over the scans
     glm::dvec3 uprightInWorld{0};     ///< scans and polygons say what is up; zero if there are none
+    std::optional<double> eyeMetres;  ///< of the first image above its floor, where known
     PolygonFigures polygons;
 };
 ImportedImages importImages(const scene::Capture& capture, const std::vector<std::size_t>& heldOut,

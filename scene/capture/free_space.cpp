@@ -25,20 +25,21 @@ std::vector<glm::dvec3> sphereSpiral(int count) {
 Surroundings lookRound(const PolygonTracer& tracer, const glm::dvec3& positionInWorld, int looks) {
     Surroundings about;
     about.nearestMetres = std::numeric_limits<double>::infinity();
-    int hits = 0, backs = 0, below = 0, hitsBelow = 0;
+    int hits = 0, backs = 0, level = 0, levelHits = 0;
     for (const glm::dvec3& direction : sphereSpiral(looks)) {
         const std::optional<PolygonHit> hit = tracer.cast(positionInWorld, direction);
-        below += direction.y <= 0;
+        const bool isLevel = std::abs(direction.y) <= kLevelSine;
+        level += isLevel;
         if (!hit) continue;
         ++hits;
         backs += hit->isBack;
-        hitsBelow += direction.y <= 0;
+        levelHits += isLevel;
         about.nearestMetres = std::min(about.nearestMetres, hit->t);
         about.meanMetres += hit->t;
     }
     about.hitShare = static_cast<double>(hits) / looks;
     about.backShare = static_cast<double>(backs) / looks;
-    about.hitShareBelow = below > 0 ? static_cast<double>(hitsBelow) / below : 0.0;
+    about.levelShare = level > 0 ? static_cast<double>(levelHits) / level : 0.0;
     if (hits > 0) about.meanMetres /= hits;
     return about;
 }

@@ -16,13 +16,15 @@ namespace scene {
 
 inline constexpr double kSolidShare = 0.75;
 
+/// Looks no steeper than this are level.
+inline constexpr double kLevelSine = 0.35;
+
 /// What is about a place.
 struct Surroundings {
     double hitShare = 0, backShare = 0; ///< of all looks: those that end on a surface, and on the back of one
     double nearestMetres = 0;           ///< along the looks; infinite if none ends
     double meanMetres = 0;              ///< how far looks go, those into the open not counted; 0 if none ends
-    /// Of the looks at and below the horizon: those that end.
-    double hitShareBelow = 0;
+    double levelShare = 0; ///< of the looks about the horizon (kLevelSine): those that end
 };
 
 /// Directions evenly spread over the sphere, unit.

@@ -19,6 +19,7 @@ constexpr int kMostSteps = 256; ///< of nodes along an edge: 33,000 nodes on the
 /// Share of the way between two nodes by which those on an edge are drawn in.
 constexpr double kDrawnIn = 0.03;
 constexpr double kFarAway = std::numeric_limits<double>::infinity();
+constexpr float kLeastTrust = 1e-3f;
 enum : std::uint8_t { kUnknown, kBusy, kKnown };
 
 /// A rotation of +Z to a unit vector, smooth but for the one that points along -Z. Duff et al., "Building an orthonormal
@@ -159,11 +160,11 @@ glm::vec3 SurfaceLight::sunAt(const PolygonPoint& point) const {
     return light_.sun * static_cast<float>(slant);
 }
 
-glm::vec3 SurfaceLight::gather(const PolygonPoint& point) const {
+SurfaceLight::Gathered SurfaceLight::gather(const PolygonPoint& point) const {
     const glm::dmat3 worldFromNormal = frameAbout(point.normal);
     const glm::dvec3 start = point.position + point.flatNormal * tracer_.skinMetres();
     glm::vec3 sum(0);
-    int count = 0;
+    int count = 0, backs = 0;
     for (const glm::dvec3& about : hemisphere_) {
         const glm::dvec3 direction = worldFromNormal * about;
         if (glm::dot(direction, point.flatNormal) <= 0) continue;
@@ -173,12 +174,15 @@ glm::vec3 SurfaceLight::gather(const PolygonPoint& point) const {
             sum += skyTowards(direction);
             continue;
         }
+        backs += hit->isBack;
         const PolygonPoint there = pointAt(start, direction, *hit);
         const double reach = light_.fillReachMetres, share = reach > 0 ? hit->t / (hit->t + reach) : 1.0;
         sum += meanColourOf(*hit, there.weights) * sunAt(there) + light_.fill * static_cast<float>(share);
     }
     raysCast_.fetch_add(count, std::memory_order_relaxed);
-    return count > 0 ? sum / static_cast<float>(count) : glm::vec3(0);
+    if (count == 0) return {glm::vec3(0), kLeastTrust};
+    const float free = 1 - static_cast<float>(backs) / static_cast<float>(count);
+    return {sum / static_cast<float>(count), std::max(free * free, kLeastTrust)};
 }
 
 SurfaceLight::Nodes& SurfaceLight::nodesOf(const PolygonHit& hit, const TriangleInWorld& triangle) const {
@@ -193,10 +197,10 @@ SurfaceLight::Nodes& SurfaceLight::nodesOf(const PolygonHit& hit, const Triangle
     return *first;
 }
 
-glm::vec3 SurfaceLight::nodeLight(const PolygonHit& hit, const TriangleInWorld& triangle, Nodes& nodes, int i,
-                                  int j) const {
+SurfaceLight::Gathered SurfaceLight::gatheredAt(const PolygonHit& hit, const TriangleInWorld& triangle, Nodes& nodes,
+                                                int i, int j) const {
     Node& node = nodes.nodes[indexOf(nodes.steps, i, j)];
-    if (node.state.load(std::memory_order_acquire) == kKnown) return node.light;
+    if (node.state.load(std::memory_order_acquire) == kKnown) return node.gathered;
 
     const double steps = nodes.steps;
     const auto& [a, b, c] = triangle.corners;
@@ -208,15 +212,15 @@ glm::vec3 SurfaceLight::nodeLight(const PolygonHit& hit, const TriangleInWorld& 
     point.position = a * point.weights.x + b * point.weights.y + c * point.weights.z;
     point.flatNormal = glm::normalize(triangle.across) * (hit.isBack ? -1.0 : 1.0);
     point.normal = bentNormal(hit, point.weights, point.flatNormal);
-    const glm::vec3 light = gather(point);
+    const Gathered gathered = gather(point);
 
     // Whoever comes while another writes keeps what it found itself: it is the same.
     std::uint8_t expected = kUnknown;
     if (node.state.compare_exchange_strong(expected, kBusy, std::memory_order_acq_rel)) {
-        node.light = light;
+        node.gathered = gathered;
         node.state.store(kKnown, std::memory_order_release);
     }
-    return light;
+    return gathered;
 }
 
 glm::vec3 SurfaceLight::at(const PolygonHit& hit, const PolygonPoint& point) const {
@@ -228,11 +232,19 @@ glm::vec3 SurfaceLight::at(const PolygonHit& hit, const PolygonPoint& point) con
     const int i = std::min(static_cast<int>(u), steps - 1);
     const int j = std::clamp(static_cast<int>(v), 0, steps - 1 - i);
     const auto s = static_cast<float>(u - i), t = static_cast<float>(v - j);
-    const auto node = [&](int di, int dj) { return nodeLight(hit, triangle, nodes, i + di, j + dj); };
-    const bool isLower = s + t <= 1 || i + j + 2 > steps;
-    const glm::vec3 smooth = isLower ? node(0, 0) * (1 - s - t) + node(1, 0) * s + node(0, 1) * t
-                                     : node(1, 1) * (s + t - 1) + node(0, 1) * (1 - s) + node(1, 0) * (1 - t);
-    return glm::max(smooth, glm::vec3(0)) + sunAt(point);
+    glm::vec3 sum(0);
+    float trust = 0;
+    const auto add = [&](int di, int dj, float share) {
+        const Gathered node = gatheredAt(hit, triangle, nodes, i + di, j + dj);
+        const float weight = std::max(share, 0.0f) * node.trust;
+        sum += node.light * weight;
+        trust += weight;
+    };
+    if (s + t <= 1 || i + j + 2 > steps)
+        add(0, 0, 1 - s - t), add(1, 0, s), add(0, 1, t);
+    else
+        add(1, 1, s + t - 1), add(0, 1, 1 - s), add(1, 0, 1 - t);
+    return sum / trust + sunAt(point);
 }
 
 } // namespace scene

@@ -24,7 +24,7 @@ namespace scene {
 
 /// Linear light: a surface shows its colour times what it gets. World +Y is up.
 struct CaptureLight {
-    glm::dvec3 towardsSun{0.28, 0.90, 0.33}; ///< need not be a unit vector
+    glm::dvec3 towardsSun{-0.66, 0.72, -0.22}; ///< need not be a unit vector
     glm::vec3 sun{2.6f, 2.4f, 2.1f};         ///< on a surface that faces it; 0: none
     glm::vec3 zenith{0.75f, 1.0f, 1.45f};    ///< colour of the sky overhead
     glm::vec3 horizon{1.25f, 1.3f, 1.35f};   ///< and at the horizon
@@ -73,9 +73,13 @@ class SurfaceLight {
     std::int64_t raysCast() const { return raysCast_.load(std::memory_order_relaxed); }
 
   private:
+    struct Gathered {
+        glm::vec3 light{0.0f};
+        float trust = 0; ///< small where the node is buried in a solid that stands against its triangle
+    };
     struct Node {
         std::atomic<std::uint8_t> state{0};
-        glm::vec3 light{0.0f};
+        Gathered gathered;
     };
     struct Nodes {
         explicit Nodes(int steps);
@@ -83,8 +87,8 @@ class SurfaceLight {
         std::vector<Node> nodes;
     };
     Nodes& nodesOf(const PolygonHit& hit, const TriangleInWorld& triangle) const;
-    glm::vec3 nodeLight(const PolygonHit& hit, const TriangleInWorld& triangle, Nodes& nodes, int i, int j) const;
-    glm::vec3 gather(const PolygonPoint& point) const;
+    Gathered gatheredAt(const PolygonHit& hit, const TriangleInWorld& triangle, Nodes& nodes, int i, int j) const;
+    Gathered gather(const PolygonPoint& point) const;
     glm::vec3 sunAt(const PolygonPoint& point) const;
     glm::dvec3 bentNormal(const PolygonHit& hit, const glm::dvec3& weights, const glm::dvec3& flatNormal) const;
     glm::vec3 meanColourOf(const PolygonHit& hit, const glm::dvec3& weights) const;

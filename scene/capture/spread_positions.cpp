@@ -7,6 +7,8 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
+#include <map>
+#include <numeric>
 #include <string>
 
 #include <glm/geometric.hpp>
@@ -18,6 +20,10 @@ namespace {
 
 constexpr int kMostFloors = 32; ///< over each other
 constexpr int kMiddleSteps = 16;
+constexpr int kLooks = 256;
+constexpr double kMostBacks = 0.1;  ///< share of looks that end at backs: one stands behind open geometry
+constexpr double kFloorShare = 0.2; ///< of the eye's height: half of the least width of a floor
+constexpr double kStepShare = 0.15; ///< of the eye's height: a step that is still the same floor
 constexpr double kLevel = 0.7; ///< cosine of the slope up to which one can stand
 
 struct Candidate {
@@ -40,6 +46,16 @@ std::vector<glm::dvec3> standsBelow(const PolygonTracer& tracer, glm::dvec3 from
     return stands;
 }
 
+/// What one stands on is a floor and no vase: it is as low a little to all sides.
+bool isFloorWide(const PolygonTracer& tracer, const glm::dvec3& place, double eyeMetres) {
+    for (const auto& [x, z] : {std::pair(-1, 0), std::pair(1, 0), std::pair(0, -1), std::pair(0, 1)}) {
+        const glm::dvec3 aside = place + glm::dvec3(x, 0, z) * (kFloorShare * eyeMetres);
+        const std::optional<PolygonHit> hit = tracer.cast(aside, {0, -1, 0});
+        if (!hit || std::abs(hit->t - eyeMetres) > kStepShare * eyeMetres) return false;
+    }
+    return true;
+}
+
 double squaredDistance(const glm::dvec3& a, const glm::dvec3& b) {
     return glm::dot(a - b, a - b);
 }
@@ -49,6 +65,66 @@ std::size_t nearestOf(const std::vector<glm::dvec3>& positions, const glm::dvec3
         std::min_element(positions.begin(), positions.end(),
                          [&](const auto& a, const auto& b) { return squaredDistance(a, p) < squaredDistance(b, p); }) -
         positions.begin());
+}
+
+/// Number of the triangles that looks from a place end on.
+std::vector<std::uint64_t> trianglesSeen(const PolygonTracer& tracer, const glm::dvec3& position) {
+    std::vector<std::uint64_t> seen;
+    for (const glm::dvec3& direction : sphereSpiral(kLooks))
+        if (const std::optional<PolygonHit> hit = tracer.cast(position, direction))
+            seen.push_back(static_cast<std::uint64_t>(hit->instance) << 32 | hit->triangle);
+    return seen;
+}
+
+/// For each candidate the first of those that one gets to from it, from neighbour to neighbour in straight lines.
+std::vector<std::size_t> roomsOf(const PolygonTracer& tracer, const std::vector<Candidate>& candidates, double step) {
+    std::vector<std::size_t> first(candidates.size());
+    std::iota(first.begin(), first.end(), std::size_t{0});
+    const auto rootOf = [&](std::size_t i) {
+        while (first[i] != i)
+            i = first[i] = first[first[i]];
+        return i;
+    };
+    // Candidates come column by column, row by row: what is near lies in a window that is not long.
+    std::vector<std::vector<std::size_t>> sees(candidates.size());
+    tbb::parallel_for(std::size_t{0}, candidates.size(), [&](std::size_t i) {
+        const glm::dvec3& from = candidates[i].position;
+        for (std::size_t j = i + 1; j < candidates.size(); ++j) {
+            const glm::dvec3 way = candidates[j].position - from;
+            if (way.z > 1.5 * step) break;
+            if (std::abs(way.x) <= 1.5 * step && std::abs(way.y) <= step && !tracer.isBlocked(from, way, 1.0))
+                sees[i].push_back(j);
+        }
+    });
+    for (std::size_t i = 0; i < sees.size(); ++i)
+        for (const std::size_t j : sees[i])
+            first[std::max(rootOf(i), rootOf(j))] = std::min(rootOf(i), rootOf(j));
+    for (std::size_t i = 0; i < first.size(); ++i)
+        first[i] = rootOf(i);
+    return first;
+}
+
+/// Leaves out the rooms from which little is to be seen.
+void dropPoorRooms(const PolygonTracer& tracer, double step, double richShare, std::vector<Candidate>& candidates) {
+    const std::vector<std::size_t> rooms = roomsOf(tracer, candidates, step);
+    std::vector<std::vector<std::uint64_t>> seen(candidates.size());
+    tbb::parallel_for(std::size_t{0}, candidates.size(),
+                      [&](std::size_t i) { seen[i] = trianglesSeen(tracer, candidates[i].position); });
+    std::map<std::size_t, std::vector<std::uint64_t>> seenFrom;
+    for (std::size_t i = 0; i < candidates.size(); ++i)
+        seenFrom[rooms[i]].insert(seenFrom[rooms[i]].end(), seen[i].begin(), seen[i].end());
+    std::map<std::size_t, double> riches;
+    double most = 0;
+    for (auto& [room, triangles] : seenFrom) {
+        std::sort(triangles.begin(), triangles.end());
+        triangles.erase(std::unique(triangles.begin(), triangles.end()), triangles.end());
+        riches[room] = static_cast<double>(triangles.size());
+        most = std::max(most, riches[room]);
+    }
+    std::vector<Candidate> kept;
+    for (std::size_t i = 0; i < candidates.size(); ++i)
+        if (riches[rooms[i]] >= richShare * most) kept.push_back(candidates[i]);
+    candidates = std::move(kept);
 }
 
 std::vector<Candidate> findCandidates(const PolygonTracer& tracer, const SpreadOptions& options) {
@@ -65,7 +141,8 @@ std::vector<Candidate> findCandidates(const PolygonTracer& tracer, const SpreadO
                              bounds.low.z + (row + 0.5) / rows * extent.z);
         for (const glm::dvec3& place : standsBelow(tracer, top, eye)) {
             const Surroundings about = lookRound(tracer, place);
-            if (about.nearestMetres < std::min(options.clearanceMetres, eye / 4) || about.backShare > 0.1) continue;
+            if (about.nearestMetres < std::min(options.clearanceMetres, eye / 4) || about.backShare > kMostBacks) continue;
+            if (!isFloorWide(tracer, place, eye)) continue;
             found[cell].push_back({place, about});
         }
     });
@@ -74,8 +151,9 @@ std::vector<Candidate> findCandidates(const PolygonTracer& tracer, const SpreadO
         candidates.insert(candidates.end(), cell.begin(), cell.end());
     double most = 0;
     for (const Candidate& candidate : candidates)
-        most = std::max(most, candidate.about.hitShareBelow);
-    std::erase_if(candidates, [&](const Candidate& c) { return c.about.hitShareBelow < options.seenShare * most; });
+        most = std::max(most, candidate.about.levelShare);
+    std::erase_if(candidates, [&](const Candidate& c) { return c.about.levelShare < options.seenShare * most; });
+    dropPoorRooms(tracer, step, options.richShare, candidates);
     return candidates;
 }
 

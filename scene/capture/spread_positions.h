@@ -16,9 +16,12 @@ struct SpreadOptions {
     double eyeMetres = 1.6;       ///< above the floor; in scenes that are lower, half of their height
     double clearanceMetres = 0.3; ///< to the nearest surface
     int gridAcross = 64;          ///< columns of candidates along the longer side
-    /// Candidates see surfaces in at least this share of the looks at and below the horizon, compared with the one
+    /// Candidates see surfaces in at least this share of the level looks, compared with the one
     /// that sees most: roofs and what is outside of a building see less.
-    double seenShare = 0.95;
+    double seenShare = 0.6;
+    /// Of a room, which is what one gets to without passing through surfaces, at least this share of the number of
+    /// triangles is seen that the richest shows: gaps between walls show less.
+    double richShare = 0.2;
 };
 
 /// As many positions, in the world (+Y up); the first is the one with the widest look, where a walk may begin. A
