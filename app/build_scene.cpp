@@ -11,9 +11,10 @@
 namespace app {
 
 void buildScene(const BuildOptions& options) {
-    const scene::Capture capture = scene::openCapture(options.inputs);
+    scene::Capture capture = scene::openCapture(options.inputs);
     const std::vector<std::size_t> heldOut = scene::findHeldOut(capture, options.holdOut);
-    if (capture.scans.empty() && heldOut.size() == capture.photos.size()) throw nothingToBuild(options);
+    if (capture.polygons.empty() && capture.scans.empty() && heldOut.size() == capture.photos.size()) throw nothingToBuild(options);
+    checkPositionsWish(options.positions, capture);
     for (const std::string& remark : capture.remarks)
         std::fprintf(stderr, "note: %s\n", remark.c_str());
 
@@ -24,7 +25,8 @@ void buildScene(const BuildOptions& options) {
     work += ".build";
     StageStore store(work);
 
-    const ImportedImages imported = importImages(capture, heldOut, options, store);
+    const ImportedImages imported = capture.polygons.empty() ? importImages(capture, heldOut, options, store)
+                                                             : capturePolygons(capture, options, store);
     const Overlaps overlaps = findOverlaps(imported, options);
     const SkinStage skins = markSkins(imported, overlaps, options, store);
     const KeepStage kept = keepBest(imported, overlaps, skins, options, store);

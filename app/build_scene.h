@@ -1,6 +1,10 @@
 #pragma once
-// A build: import -> project -> refine -> scene file, each stage kept under a key.
+// A build: import or capture -> project -> refine -> scene file, each stage kept under a key.
 
+#include "app/positions.h"
+
+#include "scene/capture/cube_capture.h"
+#include "scene/capture/light.h"
 #include "scene/project/cube_faces.h"
 #include "scene/project/dropouts.h"
 #include "scene/pyramid.h"
@@ -23,6 +27,10 @@ struct BuildOptions {
     std::size_t memoryBytes = 8ull << 30; ///< pixels held at a time
     bool cull = true;                     ///< false: every sample is kept
     bool fuse = true;                     ///< false: kept samples stay as they were captured
+    PositionsWish positions; ///< of polygon scenes
+    int faceSize = 512;      ///< of their images, pixels
+    scene::CaptureLight light;
+    scene::PolygonViewOptions polygonView;
     scene::CubeFaceOptions cubeFaces;
     scene::DropoutOptions dropouts;
     scene::GuessOptions guesses;

@@ -11,21 +11,38 @@
 #include "scene/refine/cover.h"
 #include "scene/refine/pairs.h"
 
+#include <optional>
+
 namespace app {
+
+/// Light as scene.json and keys have it.
+nlohmann::json describeLight(const scene::CaptureLight& light);
 
 /// What to throw when a capture holds, or keeps back, nothing that can be seen.
 scene::Failure nothingToBuild(const BuildOptions& options);
 
 /// import and project: every photo and every face of every scan as a depth image file. Throws scene::Failure if there
 /// is none.
+/// What polygons were captured from; positions are empty for other captures.
+struct PolygonFigures {
+    std::int64_t triangles = 0, instances = 0, materials = 0, textures = 0;
+    std::vector<glm::dvec3> positionsInWorld;
+};
+
 struct ImportedImages {
     std::vector<scene::StoredImage> images;
     std::string key;
     scene::CubeFaceReport scanPoints; ///< summed over the scans
-    glm::dvec3 uprightInWorld{0};     ///< scans say what is up; zero if there are none
+    glm::dvec3 uprightInWorld{0};     ///< scans and polygons say what is up; zero if there are none
+    std::optional<double> eyeMetres;  ///< of the first image above its floor, where known
+    PolygonFigures polygons;
 };
 ImportedImages importImages(const scene::Capture& capture, const std::vector<std::size_t>& heldOut,
                             const BuildOptions& options, StageStore& store);
+
+/// capture: the faces of the cube about each reference position as depth image files. What the scene's file had to say
+/// goes to capture.remarks. Throws scene::Failure.
+ImportedImages capturePolygons(scene::Capture& capture, const BuildOptions& options, StageStore& store);
 
 struct Overlaps {
     std::vector<std::vector<scene::Partner>> partners;

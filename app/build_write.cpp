@@ -58,9 +58,16 @@ json describeOptions(const BuildOptions& o) {
 }
 
 /// What was built and what was not, and why, in words for info.
-json explain(const scene::Capture& capture, const Overlaps& overlaps, const BuildOptions& o) {
+json explain(const scene::Capture& capture, const ImportedImages& imported, const Overlaps& overlaps,
+             const BuildOptions& o) {
     json reasons = json::array();
-    reasons.push_back("depth images: " + std::to_string(capture.photos.size()) + " photographs and " +
+    if (!capture.polygons.empty())
+        reasons.push_back("ray-traced: " + std::to_string(imported.polygons.triangles) + " triangles from " +
+                          std::to_string(imported.polygons.positionsInWorld.size()) + " positions, six images of " +
+                          std::to_string(o.faceSize) + "x" + std::to_string(o.faceSize) + " each, in diffuse light: sun, sky, " +
+                          "what they throw back once, and a fill");
+    else
+        reasons.push_back("depth images: " + std::to_string(capture.photos.size()) + " photographs and " +
                       std::to_string(capture.scans.size()) + " scans in the capture");
     reasons.push_back(overlaps.pairs > 0
                           ? "skins, redundancy and fusion over " + std::to_string(overlaps.pairs) + " overlapping pairs"
@@ -70,6 +77,18 @@ json explain(const scene::Capture& capture, const Overlaps& overlaps, const Buil
                                    : "no coverage (--coverage builds it): nothing is shown as unseen");
     if (!o.fuse) reasons.push_back("no fusion: samples stay as captured, as asked");
     return reasons;
+}
+
+/// What was ray-traced, and in what light; null for other captures.
+json describePolygons(const PolygonFigures& polygons, const BuildOptions& options) {
+    if (polygons.positionsInWorld.empty()) return nullptr;
+    json positions = json::array();
+    for (const glm::dvec3& p : polygons.positionsInWorld)
+        positions.push_back({p.x, p.y, p.z});
+    return {{"triangles", polygons.triangles}, {"instances", polygons.instances},
+            {"materials", polygons.materials}, {"textures", polygons.textures},
+            {"face_size", options.faceSize},   {"positions", positions},
+            {"light", describeLight(options.light)}};
 }
 
 /// Paths need not be UTF-8, JSON must.
@@ -179,11 +198,12 @@ void writeScene(const std::filesystem::path& output, const scene::Capture& captu
                       {"program", kVersion},
                       {"provenance", {{"inputs", inputs}, {"remarks", capture.remarks}}},
                       {"options", describeOptions(options)},
-                      {"built", explain(capture, overlaps, options)},
+                      {"built", explain(capture, imported, overlaps, options)},
                       {"images", images},
                       {"held_out", heldOutCameras},
                       {"whole_images", !options.cull},
                       {"walk_from_world", rowMajor({})},
+                      {"polygons", describePolygons(imported.polygons, options)},
                       {"coverage", !coverage.file.empty()},
                       {"figures",
                        {{"images", imported.images.size()},
@@ -217,7 +237,8 @@ void writeScene(const std::filesystem::path& output, const scene::Capture& captu
 
         // Read back, which checks every block, and lay walk space into what was built.
         const scene::Scene written = scene::openScene(part);
-        manifest["walk_from_world"] = rowMajor(findWalkSpace(written.images, written.blocks, imported.uprightInWorld));
+        manifest["walk_from_world"] = 
+            rowMajor(findWalkSpace(written.images, written.blocks, imported.uprightInWorld, imported.eyeMetres));
         writeWhole(part / "scene.json", textOf(manifest));
         carryWalkersFiles(output, part);
         sync();

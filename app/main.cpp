@@ -36,9 +36,43 @@ void refuse(CLI::App& command, const std::string& names, const std::string& part
         ->expected(0, 1);
 }
 
+/// What is asked of polygon scenes alone.
+void addCapture(CLI::App& build, app::BuildOptions& options) {
+    const std::string group = "Polygons";
+    build
+        .add_option_function<std::string>(
+            "--positions", [&](const std::string& text) { options.positions = app::parsePositions(text); },
+            "where reference images are taken: how many, spread over free space, or a JSON file of places in the "
+            "file's own coordinates: {\"positions\": [[x, y, z], ...]}")
+        ->type_name("N|FILE")
+        ->group(group);
+    build.add_option("--face-size", options.faceSize, "pixels along the side of each of the six images of a position")
+        ->check(CLI::Range(scene::kLeastFaceSize, scene::kMostFaceSize))
+        ->capture_default_str()
+        ->group(group);
+    scene::CaptureLight& light = options.light;
+    build
+        .add_option_function<std::vector<double>>(
+            "--towards-sun", [&](const std::vector<double>& v) { light.towardsSun = app::parseDirection(v); },
+            "direction of the sun, three numbers; +Y is up")
+        ->expected(3)
+        ->type_name("X Y Z")
+        ->group(group);
+    const auto addStrength = [&](const std::string& name, double& strength, const std::string& what) {
+        build.add_option(name, strength, what)->check(CLI::Range(0.0, 100.0))->capture_default_str()->group(group);
+    };
+    addStrength("--sun", light.sunStrength, "times the sun's usual strength; 0: none");
+    addStrength("--sky", light.skyStrength, "times the sky's");
+    addStrength("--fill", light.fillStrength, "times that of the light which comes from everywhere, less in corners");
+    build.add_option("--light-rays", light.rays, "rays for the light at a place")
+        ->check(CLI::Range(1, 65536))
+        ->capture_default_str()
+        ->group(group);
+}
+
 void addBuild(CLI::App& program, app::BuildOptions& options, std::string& memory, int& threads) {
     CLI::App* build = program.add_subcommand("build", "Turn a capture into a scene.");
-    build->add_option("INPUT", options.inputs, "transforms.json (or its folder), a TUM RGB-D folder, .e57, .ptx")
+    build->add_option("INPUT", options.inputs, "transforms.json (or its folder), a TUM RGB-D folder, .e57, .ptx; or polygons: .gltf, .glb, .obj, ...")
         ->required();
     build->add_option("-o,--output", options.output, "folder of the scene")->required();
     build->add_option("--hold-out", options.holdOut,
@@ -87,15 +121,16 @@ void addBuild(CLI::App& program, app::BuildOptions& options, std::string& memory
     build->add_option("--tile-size", options.pyramid.tileSize, "samples along the side of a tile")
         ->check(CLI::Range(1, scene::kMaxTileSize))
         ->capture_default_str();
+    addCapture(*build, options);
     build->add_option("--memory", memory, "pixels held at a time, e.g. 8G")->capture_default_str();
     build->add_option("--threads", threads, "0: all")->check(CLI::Range(0, 1024))->capture_default_str();
-    refuse(*build, "--positions", "walk cells");
     refuse(*build, "--count", "walk cells");
     refuse(*build, "--register", "registration");
     refuse(*build, "--colour-even", "colour evening");
     build->footer("Examples:\n"
                   "  revisit build living_room/ -o room.revisit\n"
                   "  revisit build scan_a.e57 scan_b.e57 -o site.revisit --memory 4G\n"
+                  "  revisit build room.gltf -o room.revisit --positions 8\n"
                   "  revisit build capture/ -o test.revisit --hold-out every:20:10   # then: revisit render "
                   "test.revisit --out frames\n"
                   "\nWhat the stages leave behind stands in SCENE.build: a build that was stopped goes on there. It "

@@ -56,7 +56,7 @@ std::vector<double> heightsOf(const std::vector<TileBlock>& blocks, const glm::d
 } // namespace
 
 Pose findWalkSpace(const std::vector<SceneImage>& images, const std::vector<TileBlock>& blocks,
-                   const glm::dvec3& uprightInWorld) {
+                   const glm::dvec3& uprightInWorld, std::optional<double> eyeMetres) {
     if (images.empty()) return {};
     const glm::dvec3 up = glm::length(uprightInWorld) > 0 ? glm::normalize(uprightInWorld) : findUpright(images);
     const Pose& first = images.front().worldFromCamera;
@@ -67,11 +67,11 @@ Pose findWalkSpace(const std::vector<SceneImage>& images, const std::vector<Tile
     forward = glm::normalize(forward);
     const glm::dvec3 right = glm::cross(forward, up);
 
-    const std::vector<double> heights = heightsOf(blocks, up);
+    const std::vector<double> heights = eyeMetres ? std::vector<double>() : heightsOf(blocks, up);
     const double eyeHeight = glm::dot(up, first.translation);
     constexpr double kFloorShare = 0.02; // lower samples are strays
     double floor = heights.empty()
-                       ? eyeHeight - 1.6
+                       ? eyeHeight - eyeMetres.value_or(1.6)
                        : heights[static_cast<std::size_t>(kFloorShare * static_cast<double>(heights.size()))];
     floor = std::min(floor, eyeHeight);
 

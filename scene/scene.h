@@ -37,8 +37,9 @@ struct Scene {
 
 /// Walk space for a capture: up is what the cameras hold upright on average (their x axes lie level), the floor is the
 /// lowest surface with a fair share of samples, the origin is on the floor under the first camera, which looks towards
-/// -Z. uprightInWorld: the capture's own up if its format has one (scans: +Z), else zero.
+/// -Z. uprightInWorld: the capture's own up if its format has one (scans: +Z), else zero. eyeMetres: how high above its
+/// floor the first camera stands, where that is known; no floor is looked for then.
 Pose findWalkSpace(const std::vector<SceneImage>& images, const std::vector<TileBlock>& blocks,
-                   const glm::dvec3& uprightInWorld);
+                   const glm::dvec3& uprightInWorld, std::optional<double> eyeMetres = std::nullopt);
 
 } // namespace scene

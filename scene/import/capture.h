@@ -46,6 +46,7 @@ struct ScanSource {
 struct Capture {
     std::vector<PhotoSource> photos;
     std::vector<ScanSource> scans;
+    std::vector<std::filesystem::path> polygons; ///< scenes to be ray-traced
     std::vector<std::string> remarks; ///< what was seen but cannot be used, in whole sentences for the user
 };
 

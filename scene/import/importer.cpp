@@ -2,6 +2,7 @@
 
 #include "scene/errors.h"
 #include "scene/import/e57.h"
+#include "scene/import/polygons.h"
 #include "scene/import/ptx.h"
 #include "scene/import/transforms_json.h"
 #include "scene/import/tum_rgbd.h"
@@ -42,8 +43,9 @@ void openInput(const std::filesystem::path& input, Capture& capture) {
     if (extension == ".json") return listTransformsJson(input, capture);
     if (extension == ".e57") return append(capture.scans, listE57(input, capture.remarks));
     if (extension == ".ptx") return append(capture.scans, listPtx(input));
+    if (isPolygonFile(input)) return capture.polygons.push_back(input);
     throw Failure("format " + (extension.empty() ? std::string("without an extension") : extension) + " is not known",
-                  input, "give an .e57, a .ptx, a transforms.json or a folder in TUM layout");
+                  input, "give an .e57, a .ptx, a transforms.json, a folder in TUM layout, or polygons as .gltf, .glb or .obj");
 }
 
 /// Bytes of the UTF-8 character at the start of text; 0 if none starts there.
@@ -106,6 +108,8 @@ Capture openCapture(std::span<const std::filesystem::path> inputs) {
     Capture capture;
     for (const std::filesystem::path& input : inputs)
         openInput(input, capture);
+    if (!capture.polygons.empty() && inputs.size() > 1)
+        throw Failure("polygons are built alone", capture.polygons.front(), "give this file and no other input");
     std::unordered_set<std::string> taken;
     makeNamesUnique(capture.photos, taken);
     makeNamesUnique(capture.scans, taken);

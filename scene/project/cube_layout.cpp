@@ -116,18 +116,7 @@ int CubeFrame::faceOf(const glm::vec3& pInScanner) const {
 CubeFrame cubeFrame(const Scan& scan, const glm::dvec3& copInScanner) {
     CubeFrame frame;
     frame.copInScanner = copInScanner;
-    const double azimuth = frontAzimuth(scan, copInScanner);
-    const glm::dvec3 front(std::cos(azimuth), std::sin(azimuth), 0), right(std::sin(azimuth), -std::cos(azimuth), 0),
-        up(0, 0, 1);
-    const auto look = [&](int face, const glm::dvec3& x, const glm::dvec3& y, const glm::dvec3& z) {
-        frame.faceFromScanner[static_cast<std::size_t>(face)] = glm::transpose(glm::dmat3(x, y, z));
-    };
-    look(0, right, -up, front);
-    look(1, front, -up, -right);
-    look(2, -right, -up, -front);
-    look(3, -front, -up, right);
-    look(4, right, front, up);
-    look(5, right, -front, -up);
+    frame.faceFromScanner = facesFromCube(frontAzimuth(scan, copInScanner));
     return frame;
 }
 

@@ -1,14 +1,11 @@
 #pragma once
 // The six faces of the cube about a scanner: how each looks, which points are its own, and how large its
 // image must be.
-//
-//                 up                 Faces look along the scanner's axes, turned about its +Z so that a
-//                 scanner that saw
-//      left front right back         a part of the horizon has the middle of it in front. Side faces have +Z
-//      up; up and
-//                down                down are what one sees after tilting the head up or down from the front.
+// The cube's axes are the scanner's (scene/cube.h), turned about its +Z so that a scanner that saw a part of the
+// horizon has the middle of it in front.
 
 #include "scene/camera.h"
+#include "scene/cube.h"
 #include "scene/project/cube_faces.h"
 #include "scene/scan.h"
 
@@ -19,8 +16,6 @@
 
 namespace scene {
 
-inline constexpr int kFaceCount = 6;
-inline constexpr std::array<const char*, kFaceCount> kFaceNames{"front", "left", "back", "right", "up", "down"};
 /// Points nearer to the centre of projection than this have no disparity that is worth storing.
 inline constexpr double kNearestMetres = 1e-4;
 
@@ -51,7 +46,6 @@ struct FaceLayout {
     Camera camera;
     bool coarserThanScan = false; ///< maxFaceSize did not allow the scan's own density
 };
-inline constexpr int kMeshOverlapPixels = 2;
 
 std::array<FaceLayout, kFaceCount> layOutFaces(const Scan& scan, const CubeFrame& frame, const AngularSteps& steps,
                                                bool isMesh, const CubeFaceOptions& options);

@@ -1,0 +1,139 @@
+// capture: a polygon scene -> reference positions -> depth image files.
+
+#include "app/build_stages.h"
+#include "app/progress.h"
+
+#include "scene/capture/free_space.h"
+#include "scene/capture/spread_positions.h"
+#include "scene/depth_tiff.h"
+#include "scene/errors.h"
+
+#include <cstdio>
+#include <optional>
+
+namespace app {
+
+namespace {
+
+using nlohmann::json;
+
+/// Changed whenever what a position looks like changes, so that results of older versions are not taken for new ones.
+constexpr int kCaptureVersion = 1;
+
+json numbersOf(const glm::vec3& v) {
+    return {v.x, v.y, v.z};
+}
+
+/// p000, p001, ...
+std::string nameOf(std::size_t position) {
+    char name[32];
+    std::snprintf(name, sizeof name, "p%03zu", position);
+    return name;
+}
+
+json fingerprintsOf(const scene::PolygonScene& polygons) {
+    json files = json::array();
+    for (const std::filesystem::path& file : polygons.files)
+        files.push_back(fingerprintOf(file));
+    return files;
+}
+
+std::string keyOfPosition(const json& files, const std::string& name, const glm::dvec3& p, const BuildOptions& o) {
+    const scene::PolygonViewOptions& view = o.polygonView;
+    return keyOf({kCaptureVersion,
+                  files,
+                  name,
+                  {p.x, p.y, p.z},
+                  o.faceSize,
+                  {view.raysAcross, view.colourStep, view.sameDepth},
+                  describeLight(o.light)});
+}
+
+/// Spread ones are kept: to look round from every candidate takes a while.
+std::vector<glm::dvec3> choosePositions(const scene::PolygonTracer& tracer, const json& files,
+                                        const BuildOptions& options, StageStore& store) {
+    if (!options.positions.file.empty()) {
+        std::vector<glm::dvec3> positions = readPositionsFile(options.positions.file);
+        checkPositions(tracer, positions, options.positions.file);
+        return positions;
+    }
+    const std::string key = keyOf({kCaptureVersion, files, options.positions.count});
+    const std::filesystem::path folder = store.find("positions", key, [&](const std::filesystem::path& part) {
+        json list = json::array();
+        for (const glm::dvec3& p : spreadPositions(tracer, options.positions.count))
+            list.push_back({p.x, p.y, p.z});
+        writeWhole(part / "positions.json", json{{"positions", list}}.dump());
+    });
+    return readPositionsFile(folder / "positions.json");
+}
+
+/// Nothing where there is no floor below, or one that no walker's eye is above.
+std::optional<double> heightAboveFloor(const scene::PolygonTracer& tracer, const glm::dvec3& position) {
+    constexpr double kTallestMetres = 3.0;
+    const std::optional<scene::PolygonHit> floor = tracer.cast(position, {0, -1, 0});
+    if (!floor || floor->t > kTallestMetres) return std::nullopt;
+    return floor->t;
+}
+
+} // namespace
+
+json describeLight(const scene::CaptureLight& light) {
+    return {{"towards_sun", {light.towardsSun.x, light.towardsSun.y, light.towardsSun.z}},
+            {"sun", numbersOf(light.sun)},
+            {"zenith", numbersOf(light.zenith)},
+            {"horizon", numbersOf(light.horizon)},
+            {"ground", numbersOf(light.ground)},
+            {"fill", numbersOf(light.fill)},
+            {"strengths", {light.sunStrength, light.skyStrength, light.fillStrength}},
+            {"fill_reach_m", light.fillReachMetres},
+            {"rays", light.rays},
+            {"spacing_m", light.spacingMetres},
+            {"white", light.white}};
+}
+
+ImportedImages capturePolygons(scene::Capture& capture, const BuildOptions& options, StageStore& store) {
+    const scene::PolygonScene polygons = scene::readPolygons(capture.polygons.front());
+    for (const std::string& remark : polygons.remarks) {
+        std::fprintf(stderr, "note: %s\n", remark.c_str());
+        capture.remarks.push_back(remark);
+    }
+    const scene::PolygonTracer tracer(polygons);
+    const json files = fingerprintsOf(polygons);
+
+    ImportedImages imported;
+    imported.uprightInWorld = {0, 1, 0};
+    imported.polygons = {countTriangles(polygons), std::ssize(polygons.instances), std::ssize(polygons.materials),
+                         std::ssize(polygons.textures), choosePositions(tracer, files, options, store)};
+    const std::vector<glm::dvec3>& positions = imported.polygons.positionsInWorld;
+    imported.eyeMetres = heightAboveFloor(tracer, positions.front());
+
+    std::optional<scene::SurfaceLight> light; // not needed where all is there already
+    std::vector<std::string> keys;
+    Progress progress("ray tracing", positions.size() * scene::kFaceCount);
+    for (std::size_t i = 0; i < positions.size(); ++i) {
+        const std::string name = nameOf(i);
+        keys.push_back(keyOfPosition(files, name, positions[i], options));
+        std::size_t told = 0;
+        const std::filesystem::path folder =
+            store.find("position", keys.back(), [&](const std::filesystem::path& part) {
+                if (!light) light.emplace(tracer, options.light);
+                scene::captureCube(tracer, *light, name, positions[i], options.faceSize, options.polygonView,
+                                   [&](const scene::DepthImage& face) {
+                                       writeDepthTiff(face, part / (face.name + ".tiff"));
+                                       progress.advance();
+                                       ++told;
+                                   });
+            });
+        if (told == 0) progress.advance(scene::kFaceCount);
+        for (int face = 0; face < scene::kFaceCount; ++face) {
+            const scene::View view = scene::faceView(face, positions[i], options.faceSize);
+            const std::string faceName = name + "-" + scene::kFaceNames[static_cast<std::size_t>(face)];
+            imported.images.push_back(
+                {faceName, view.camera, view.worldFromEye, folder / (faceName + ".tiff"), {}});
+        }
+    }
+    imported.key = keyOf(keys);
+    return imported;
+}
+
+} // namespace app
