@@ -1,0 +1,265 @@
+#include "scene/plan/position_search.h"
+
+#include "scene/plan/walk_cells.h"
+
+#include <algorithm>
+#include <cassert>
+#include <map>
+#include <numeric>
+#include <optional>
+#include <random>
+
+#include <glm/geometric.hpp>
+#include <tbb/parallel_for.h>
+
+namespace scene {
+
+namespace {
+
+constexpr int kNeighbours = 8; ///< places about a place, among which a climb goes on
+
+using Corners = std::vector<std::uint32_t>; ///< positions whose images are drawn, ascending
+
+Corners cornersAt(const WalkCells& cells, const glm::dvec3& place, std::uint32_t& cell,
+                  std::vector<PositionShare>& found) {
+    cells.sharesAt(place, cell, found);
+    Corners corners;
+    for (const PositionShare& share : found)
+        if (share.share >= 1) corners.push_back(share.position);
+    return corners;
+}
+
+double meanUnknownShare(const WalkCells& cells, const UnknownSpace& space, std::span<const glm::dvec3> testPlaces) {
+    std::vector<double> shares(testPlaces.size());
+    tbb::parallel_for(std::size_t{0}, testPlaces.size(), [&](std::size_t i) {
+        std::uint32_t cell = 0;
+        std::vector<PositionShare> found;
+        shares[i] = space.countAt(testPlaces[i], cornersAt(cells, testPlaces[i], cell, found)).unknownShare();
+    });
+    return shares.empty() ? 0 : std::accumulate(shares.begin(), shares.end(), 0.0) / static_cast<double>(shares.size());
+}
+
+class Search {
+  public:
+    Search(std::span<const glm::dvec3> places, const CaptureSmall& capture, const PositionSearchOptions& options)
+        : places_(places), capture_(capture), options_(options), space_(options.unknown), random_(options.seed),
+          values_(places.size()) {
+        findNeighbours();
+    }
+
+    void insert(std::size_t place) {
+        positions_.push_back(places_[place]);
+        isTaken_.resize(places_.size(), false);
+        isTaken_[place] = true;
+        space_.add(capture_(places_[place]));
+        cells_ = WalkCells(positions_);
+        divide();
+    }
+
+    /// The best of the best of all cells; nothing if no place is left, or none is worth it.
+    std::optional<std::size_t> next() {
+        evaluations_ = 0;
+        // What all of a cell's view unknown would be worth bounds it: most cells need not be looked into.
+        std::vector<const std::vector<std::size_t>*> order;
+        for (const auto& [corners, members] : members_)
+            order.push_back(&members);
+        std::stable_sort(order.begin(), order.end(),
+                         [](const auto* a, const auto* b) { return a->size() > b->size(); });
+        std::optional<std::size_t> best;
+        double most = 0;
+        for (const std::vector<std::size_t>* members : order) {
+            const auto room = static_cast<double>(members->size());
+            if (best && room * mostOf(*members) <= most) continue;
+            const std::optional<std::size_t> found =
+                options_.search == CellSearch::climbing ? climb(*members) : breed(*members);
+            if (!found) continue;
+            const double worth = room * valueOf(*found);
+            if (worth > most) most = worth, best = found;
+        }
+        if (best && most / static_cast<double>(places_.size()) < options_.leastGain) return std::nullopt;
+        return best;
+    }
+
+    std::int64_t evaluations() const { return evaluations_; }
+    const WalkCells& cells() const { return cells_; }
+    const UnknownSpace& space() const { return space_; }
+
+  private:
+    struct Value {
+        Corners corners; ///< it was worked out with
+        double objective = 0;
+    };
+
+    /// Which places count to which cell. What is known of a place holds for as long as its corners are the same.
+    void divide() {
+        members_.clear();
+        cornersOf_.resize(places_.size());
+        std::uint32_t cell = 0;
+        std::vector<PositionShare> found;
+        for (std::size_t i = 0; i < places_.size(); ++i) {
+            cornersOf_[i] = cornersAt(cells_, places_[i], cell, found);
+            members_[cornersOf_[i]].push_back(i);
+        }
+    }
+
+    bool isKnown(std::size_t place) const { return values_[place] && values_[place]->corners == cornersOf_[place]; }
+
+    /// No place of them can be worth more than this.
+    double mostOf(const std::vector<std::size_t>& members) const {
+        double most = 0;
+        for (const std::size_t place : members) {
+            if (!isKnown(place)) return 1;
+            most = std::max(most, values_[place]->objective);
+        }
+        return most;
+    }
+
+    double valueOf(std::size_t place) {
+        if (!isKnown(place)) {
+            values_[place] = Value{cornersOf_[place], space_.countAt(places_[place], cornersOf_[place]).objective()};
+            ++evaluations_;
+        }
+        return isTaken_[place] ? -1 : values_[place]->objective;
+    }
+
+    /// The same for many, on all cores.
+    void prepare(const std::vector<std::size_t>& wanted) {
+        std::vector<std::size_t> unknown;
+        for (const std::size_t place : wanted)
+            if (!isKnown(place)) unknown.push_back(place);
+        std::sort(unknown.begin(), unknown.end());
+        unknown.erase(std::unique(unknown.begin(), unknown.end()), unknown.end());
+        tbb::parallel_for(std::size_t{0}, unknown.size(), [&](std::size_t i) {
+            const std::size_t place = unknown[i];
+            values_[place] = Value{cornersOf_[place], space_.countAt(places_[place], cornersOf_[place]).objective()};
+        });
+        evaluations_ += std::ssize(unknown);
+    }
+
+    std::size_t bestOf(const std::vector<std::size_t>& some) {
+        return *std::max_element(some.begin(), some.end(),
+                                 [&](std::size_t a, std::size_t b) { return valueOf(a) < valueOf(b); });
+    }
+
+    /// Some places spread over the cell; from the best of them to better neighbours, while there are any.
+    std::optional<std::size_t> climb(const std::vector<std::size_t>& members) {
+        std::vector<std::size_t> looks{members.front()};
+        std::vector<double> away(members.size(), std::numeric_limits<double>::infinity());
+        while (std::ssize(looks) < std::min<std::ptrdiff_t>(options_.coarseLooks, std::ssize(members))) {
+            for (std::size_t i = 0; i < members.size(); ++i)
+                away[i] = std::min(away[i], glm::length(places_[members[i]] - places_[looks.back()]));
+            looks.push_back(
+                members[static_cast<std::size_t>(std::max_element(away.begin(), away.end()) - away.begin())]);
+        }
+        prepare(looks);
+        std::size_t best = bestOf(looks);
+        for (;;) {
+            std::vector<std::size_t> about;
+            for (const std::size_t neighbour : neighbours_[best])
+                if (cornersOf_[neighbour] == cornersOf_[best]) about.push_back(neighbour);
+            if (about.empty()) break;
+            prepare(about);
+            const std::size_t better = bestOf(about);
+            if (valueOf(better) <= valueOf(best)) break;
+            best = better;
+        }
+        if (isTaken_[best]) return std::nullopt;
+        return best;
+    }
+
+    /// Section 6 of the article: each iteration makes two children, drawn by their parents' worth, and drops the two
+    /// worst. A child stands between its parents, at the place nearest to a random point of their line.
+    std::optional<std::size_t> breed(const std::vector<std::size_t>& members) {
+        std::vector<std::size_t> individuals;
+        std::uniform_int_distribution<std::size_t> any(0, members.size() - 1);
+        std::uniform_real_distribution<double> unit(0, 1);
+        for (int i = 0; i < options_.geneticIndividuals; ++i)
+            individuals.push_back(members[any(random_)]);
+        const auto pick = [&] {
+            std::vector<double> weights;
+            for (const std::size_t place : individuals)
+                weights.push_back(std::max(valueOf(place), 0.0) + 1e-6);
+            return individuals[std::discrete_distribution<std::size_t>(weights.begin(), weights.end())(random_)];
+        };
+        for (int i = 0; i < options_.geneticIterations; ++i) {
+            for (int child = 0; child < 2; ++child) {
+                const glm::dvec3 &a = places_[pick()], &b = places_[pick()];
+                // Somewhat beyond them, too: else no child would ever leave its parents' hull.
+                const glm::dvec3 wanted = a + (2 * unit(random_) - 0.5) * (b - a);
+                individuals.push_back(
+                    *std::min_element(members.begin(), members.end(), [&](std::size_t p, std::size_t q) {
+                        return glm::length(places_[p] - wanted) < glm::length(places_[q] - wanted);
+                    }));
+            }
+            // The article counts each child's pictures, whether its place was tried before or not; so do we.
+            const std::int64_t before = evaluations_;
+            std::stable_sort(individuals.begin(), individuals.end(),
+                             [&](std::size_t p, std::size_t q) { return valueOf(p) > valueOf(q); });
+            evaluations_ = before + 2;
+            individuals.resize(static_cast<std::size_t>(options_.geneticIndividuals));
+        }
+        if (isTaken_[individuals.front()]) return std::nullopt;
+        return individuals.front();
+    }
+
+    void findNeighbours() {
+        neighbours_.resize(places_.size());
+        tbb::parallel_for(std::size_t{0}, places_.size(), [&](std::size_t i) {
+            std::vector<std::size_t> others(places_.size());
+            std::iota(others.begin(), others.end(), std::size_t{0});
+            const auto count = std::min<std::size_t>(kNeighbours + 1, others.size());
+            const auto isNearer = [&](std::size_t a, std::size_t b) {
+                const double da = glm::length(places_[a] - places_[i]), db = glm::length(places_[b] - places_[i]);
+                return da != db ? da < db : a < b;
+            };
+            std::partial_sort(others.begin(), others.begin() + static_cast<std::ptrdiff_t>(count), others.end(),
+                              isNearer);
+            for (std::size_t k = 0; k < count; ++k)
+                if (others[k] != i) neighbours_[i].push_back(others[k]);
+        });
+    }
+
+    std::span<const glm::dvec3> places_;
+    const CaptureSmall& capture_;
+    const PositionSearchOptions& options_;
+    UnknownSpace space_;
+    std::mt19937 random_;
+    std::vector<glm::dvec3> positions_;
+    std::vector<bool> isTaken_;
+    WalkCells cells_;
+    std::vector<Corners> cornersOf_; ///< of each place
+    std::map<Corners, std::vector<std::size_t>> members_;
+    std::vector<std::optional<Value>> values_;
+    std::vector<std::vector<std::size_t>> neighbours_;
+    std::int64_t evaluations_ = 0;
+};
+
+} // namespace
+
+std::vector<PositionSearchStep> searchPositions(std::span<const glm::dvec3> places,
+                                                std::span<const glm::dvec3> testPlaces, const CaptureSmall& capture,
+                                                const PositionSearchOptions& options,
+                                                const std::function<void(const PositionSearchStep&)>& told) {
+    assert(options.count > 0 && places.size() >= static_cast<std::size_t>(options.count));
+    Search search(places, capture, options);
+    std::vector<PositionSearchStep> steps;
+    std::optional<std::size_t> place = 0;
+    while (place && std::ssize(steps) < options.count) {
+        const std::int64_t evaluations = search.evaluations();
+        search.insert(*place);
+        steps.push_back({places[*place], evaluations, meanUnknownShare(search.cells(), search.space(), testPlaces)});
+        if (told) told(steps.back());
+        if (std::ssize(steps) < options.count) place = search.next();
+    }
+    return steps;
+}
+
+double unknownShareOf(std::span<const glm::dvec3> positions, std::span<const glm::dvec3> testPlaces,
+                      const CaptureSmall& capture, const UnknownSpaceOptions& options) {
+    UnknownSpace space(options);
+    for (const glm::dvec3& position : positions)
+        space.add(capture(position));
+    return meanUnknownShare(WalkCells(positions), space, testPlaces);
+}
+
+} // namespace scene

@@ -1,0 +1,162 @@
+// Where positions place themselves in a furnished room and along a street corner: against random ones, against the
+// article's genetic search, and against what is known of simple places.
+
+#include "scene/cube.h"
+#include "scene/plan/position_search.h"
+#include "scene/synthetic.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <numeric>
+#include <random>
+
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+
+namespace scene {
+namespace {
+
+constexpr int kFaceSize = 48;
+constexpr double kEyeMetres = 1.6, kClearMetres = 0.3;
+
+std::vector<DepthImage> smallCube(const SyntheticScene& truth, const glm::dvec3& position) {
+    std::vector<DepthImage> faces;
+    View view;
+    view.camera = {kFaceSize, kFaceSize, 0.5 * kFaceSize - 1, 0.5 * kFaceSize - 1, 0.5 * kFaceSize, 0.5 * kFaceSize};
+    view.worldFromEye.translation = position;
+    for (const glm::dmat3& faceFromCube : facesFromCube(0)) {
+        view.worldFromEye.rotation = glm::transpose(faceFromCube);
+        faces.push_back(renderTruth(truth, view));
+    }
+    return faces;
+}
+
+/// Where one can stand within a rectangle of the floor.
+std::vector<glm::dvec3> placesIn(const SyntheticScene& truth, double left, double right, double front, double back,
+                                 double step) {
+    std::vector<glm::dvec3> places;
+    for (double y = front; y <= back; y += step)
+        for (double x = left; x <= right; x += step)
+            if (const glm::dvec3 p(x, y, kEyeMetres); clearanceAt(truth, p) > kClearMetres) places.push_back(p);
+    return places;
+}
+
+struct Site {
+    SyntheticScene truth;
+    std::vector<glm::dvec3> places, tests;
+    CaptureSmall capture() const {
+        return [this](const glm::dvec3& position) { return smallCube(truth, position); };
+    }
+};
+
+Site siteOf(SyntheticScene truth, double left, double right, double front, double back, double step) {
+    Site site{std::move(truth), {}, {}};
+    site.places = placesIn(site.truth, left, right, front, back, step);
+    site.tests = placesIn(site.truth, left + 0.37 * step, right, front + 0.61 * step, back, 1.3 * step);
+    return site;
+}
+
+Site room() {
+    return siteOf(makeRoom(), 0.3, 4.9, 0.3, 3.9, 0.25); // of 5.2 x 4.2 m
+}
+
+double randomShare(const Site& site, std::size_t count, unsigned seed) {
+    std::vector<glm::dvec3> positions = site.places;
+    std::shuffle(positions.begin(), positions.end(), std::mt19937(seed));
+    positions.resize(count);
+    return unknownShareOf(positions, site.tests, site.capture());
+}
+
+TEST(UnknownSpace, FromAPositionItselfNothingIsUnknown) {
+    const Site site = room();
+    UnknownSpace space;
+    const std::uint32_t own = space.add(smallCube(site.truth, site.places[20]));
+    const UnknownCount there = space.countAt(site.places[20], std::array{own});
+    EXPECT_LE(there.unknownShare(), 0.01);
+    EXPECT_GT(there.pixels, 6000);
+    const UnknownCount elsewhere = space.countAt(site.places.back(), std::array{own});
+    EXPECT_GE(elsewhere.unknownShare(), 0.05) << "furniture hides something";
+    EXPECT_EQ(space.countAt(site.places[0], {}).unknownShare(), 1.0) << "without images all is unknown";
+}
+
+TEST(UnknownSpace, WhatIsNearCountsAgainstAPlace) {
+    const Site site = room();
+    UnknownSpaceOptions options;
+    options.nearMetres = 1.2;
+    UnknownSpace space(options);
+    const std::uint32_t own = space.add(smallCube(site.truth, site.places[20]));
+    double least = 1;
+    for (const glm::dvec3& place : site.places) {
+        const UnknownCount count = space.countAt(place, std::array{own});
+        EXPECT_LE(count.near + count.unknown, count.pixels);
+        least = std::min(least, count.objective());
+    }
+    EXPECT_LT(least, 0) << "no place was near anything";
+}
+
+TEST(UnknownSpace, EmptyIsWhatSomeImageSawThrough) {
+    const Site site = room();
+    UnknownSpace space;
+    const std::uint32_t own = space.add(smallCube(site.truth, site.places[20]));
+    int wrong = 0, empty = 0;
+    for (const glm::dvec3& place : site.places) {
+        const glm::dvec3 way = place - site.places[20];
+        const auto hit = glm::length(way) > 0 ? castRay(site.truth, site.places[20], way) : std::nullopt;
+        const bool isSeen = !hit || hit->distanceMetres > glm::length(way);
+        const bool isEmpty = space.isEmpty(place, std::array{own}, 0.05);
+        empty += isEmpty;
+        wrong += isSeen != isEmpty;
+    }
+    EXPECT_GT(empty, 20);
+    EXPECT_LE(wrong, static_cast<int>(site.places.size()) / 20) << "silhouettes are as wide as a sample";
+}
+
+TEST(PositionSearch, BeatsAsManyRandomPositionsAndGoesOnGettingBetter) {
+    const Site site = room();
+    PositionSearchOptions options;
+    options.count = 8;
+    const auto steps = searchPositions(site.places, site.tests, site.capture(), options);
+    ASSERT_EQ(steps.size(), 8u);
+    for (std::size_t i = 0; i < steps.size(); ++i)
+        std::printf("%zu: unknown %.4f, %lld looks\n", i + 1, steps[i].unknownShare,
+                    static_cast<long long>(steps[i].evaluations));
+    std::vector<double> random;
+    for (unsigned seed = 1; seed <= 5; ++seed)
+        random.push_back(randomShare(site, 8, seed));
+    std::sort(random.begin(), random.end());
+    std::printf("random: %.4f to %.4f\n", random.front(), random.back());
+    EXPECT_LT(steps.back().unknownShare, random[2]);
+    EXPECT_LT(steps.back().unknownShare, 0.5 * steps.front().unknownShare);
+}
+
+TEST(PositionSearch, ClimbingFindsWhatTheGeneticSearchFindsInATenthOfTheLooks) {
+    const Site site = room();
+    PositionSearchOptions options;
+    options.count = 8;
+    const auto climbed = searchPositions(site.places, site.tests, site.capture(), options);
+    options.search = CellSearch::genetic;
+    const auto bred = searchPositions(site.places, site.tests, site.capture(), options);
+    const auto looks = [](const std::vector<PositionSearchStep>& steps) {
+        return std::accumulate(steps.begin(), steps.end(), std::int64_t{0},
+                               [](std::int64_t sum, const PositionSearchStep& step) { return sum + step.evaluations; });
+    };
+    std::printf("climbing %.4f by %lld looks, genetic %.4f by %lld\n", climbed.back().unknownShare,
+                static_cast<long long>(looks(climbed)), bred.back().unknownShare, static_cast<long long>(looks(bred)));
+    EXPECT_LE(climbed.back().unknownShare, 1.05 * bred.back().unknownShare);
+    EXPECT_LE(10 * looks(climbed), looks(bred));
+}
+
+TEST(PositionSearch, EndsWhereNoMoreIsToBeGained) {
+    const Site site = room();
+    PositionSearchOptions options;
+    options.count = 30;
+    options.leastGain = 0.02;
+    const auto steps = searchPositions(site.places, site.tests, site.capture(), options);
+    EXPECT_GT(steps.size(), 1u);
+    EXPECT_LT(steps.size(), 30u);
+}
+
+} // namespace
+} // namespace scene
