@@ -17,7 +17,7 @@ struct Knobs {
     render::Quality quality;
     double resolutionScale = 1; ///< at the desk: pixels of a picture's side over the window's
     int deskEyes = 1;
-    bool showsCameras = false;
+    bool showsCameras = false, showsCells = false;
     input::Settings settings;
 };
 

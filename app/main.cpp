@@ -193,7 +193,11 @@ void addRender(CLI::App& program, app::RenderOptions& options, std::string& size
     addDrawOptions(*render, options.draw);
     render->add_option("--memory", memory, "what of the scene may be loaded at a time, e.g. 8G")->capture_default_str();
     addThreads(*render, threads);
-    refuse(*render, "--overlay", "walk cells");
+    render
+        ->add_option_function<std::string>(
+            "--overlay", [&](const std::string&) { options.showsCells = true; },
+            "cells: reference positions and the walk cells between them, drawn over the pictures")
+        ->check(CLI::IsMember({"cells"}));
     render->footer("Examples:\n"
                    "  revisit render room.revisit --out frames --path walk.json\n"
                    "  revisit render room.revisit --out frames --cameras cameras.json --eyes 1 --aux --warp mesh");

@@ -123,7 +123,7 @@ struct Drawn {
     Selection& selection;
 
     void prepare(std::span<const scene::View> eyes, const render::Quality& quality) const {
-        selection.choose(gpuScene, eyes, quality);
+        gpuScene.showOnly(selection.choose(eyes, quality));
         gpuScene.settle(eyes, quality);
     }
 };

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdio>
 #include <numeric>
+#include <utility>
 #include <vector>
 
 #include <glm/geometric.hpp>
@@ -13,7 +15,8 @@ namespace app {
 namespace {
 
 constexpr double kPi = 3.141592653589793;
-constexpr float kBehind = 0.3f; ///< what marks show of themselves through surfaces
+constexpr float kBehind = 0.3f;           ///< what marks show of themselves through surfaces
+constexpr double kFarPositionMetres = 30; ///< positions of which nothing is drawn are marked up to here
 
 void addLine(render::Overlay& overlay, const glm::dvec3& a, const glm::dvec3& b, scene::Rgb8 colour, float width,
              float opacity = 1, float whenHidden = 0) {
@@ -146,6 +149,51 @@ void addCameras(render::Overlay& overlay, std::span<const scene::SceneImage> ima
         const glm::dvec3 roof = at(w / 2, -0.15 * h);
         addLine(overlay, corners[0], roof, kCameraColour, 1.5f, 0.8f);
         addLine(overlay, corners[1], roof, kCameraColour, 1.5f, 0.8f);
+    }
+}
+
+void addCells(render::Overlay& overlay, const scene::Pose& worldFromWalk, const Selection& selection,
+              const glm::dvec3& aroundInWorld, std::size_t most) {
+    if (!selection.hasCells()) return;
+    const scene::WalkCells& cells = selection.cells();
+    const int corners = cells.dimension() + 1;
+    const glm::dvec3 lower = cells.dimension() < 3 ? -kFlatCellsLowerMetres * worldFromWalk.rotation[1] : glm::dvec3(0);
+    using Edge = std::pair<std::uint32_t, std::uint32_t>;
+    const auto edgesOf = [&](const scene::WalkCell& cell, std::vector<Edge>& edges) {
+        for (int a = 0; a < corners; ++a)
+            for (int b = a + 1; b < corners; ++b)
+                edges.push_back(std::minmax(cell.corners[a], cell.corners[b]));
+    };
+    std::vector<Edge> edges, own;
+    for (const scene::WalkCell& cell : cells.cells())
+        edgesOf(cell, edges);
+    std::sort(edges.begin(), edges.end());
+    edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+    edgesOf(cells.cells()[selection.cell()], own);
+    const auto place = [&](std::uint32_t corner) { return cells.corners()[corner]; };
+    const auto away = [&](const Edge& edge) {
+        return glm::distance(0.5 * (place(edge.first) + place(edge.second)), aroundInWorld);
+    };
+    std::stable_sort(edges.begin(), edges.end(), [&](const Edge& a, const Edge& b) { return away(a) < away(b); });
+    edges.resize(std::min(edges.size(), most));
+    for (const Edge& edge : edges) {
+        const bool isOwn = std::find(own.begin(), own.end(), edge) != own.end();
+        addLine(overlay, place(edge.first) + lower, place(edge.second) + lower, isOwn ? kAllowedColour : kGridColour,
+                isOwn ? 3.5f : 2.0f, isOwn ? 1.0f : 0.7f, kBehind);
+    }
+    const std::span<const float> shares = selection.sharesOfPositions();
+    for (std::size_t i = 0; i < selection.positions().size(); ++i) {
+        const glm::dvec3& at = selection.positions()[i];
+        const float share = shares.empty() ? 1.0f : shares[i];
+        if (share <= 0 && glm::distance(at, aroundInWorld) > kFarPositionMetres) continue;
+        addCross(overlay, worldFromWalk, at, share > 0 ? kMarkColour : kGridColour, 0.12);
+        if (glm::length(lower) > 0)
+            addLine(overlay, at, at + lower, share > 0 ? kMarkColour : kGridColour, 1.5f, 0.7f, kBehind);
+        char text[64];
+        std::snprintf(text, sizeof text, "%zu: %.0f %%", i, 100 * static_cast<double>(share));
+        overlay.labels.push_back({.at = at + 0.12 * worldFromWalk.rotation[1],
+                                  .text = text,
+                                  .colour = share > 0 ? kMarkColour : kGridColour});
     }
 }
 

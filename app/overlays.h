@@ -2,6 +2,8 @@
 // Shapes a walker is shown over the scene: the floor, where a step would lead, what was measured, who took the
 // pictures. All sizes in metres; each function appends to the overlay and keeps nothing.
 
+#include "app/selection.h"
+
 #include "render/overlay.h"
 #include "scene/pose.h"
 #include "scene/scene.h"
@@ -39,6 +41,13 @@ void addDistance(render::Overlay& overlay, const scene::Pose& worldFromWalk, con
 /// size, with a roof over the upper edge.
 void addCameras(render::Overlay& overlay, std::span<const scene::SceneImage> images, const glm::dvec3& aroundInWorld,
                 double size = 0.15, std::size_t most = 500);
+
+/// Walk cells (scene/plan/walk_cells.h): their edges, nearest to a place first and no more than so many, the walker's
+/// own cell brighter; a mark at each position, with the share of its images that is drawn, if any is. Cells that lie in
+/// a plane would be seen edge-on by a walker of that height: what is flat is drawn kFlatCellsLowerMetres lower.
+void addCells(render::Overlay& overlay, const scene::Pose& worldFromWalk, const Selection& selection,
+              const glm::dvec3& aroundInWorld, std::size_t most = 500);
+inline constexpr double kFlatCellsLowerMetres = 1.2;
 
 /// A held controller: its handle from the grip backwards, and the ray it aims along -Z, so long. Zero: no ray.
 void addController(render::Overlay& overlay, const scene::Pose& worldFromAim, double rayLength,

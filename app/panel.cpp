@@ -75,6 +75,8 @@ void drawKnobs(PanelState& state, Knobs& knobs) {
     ImGui::SameLine();
     ImGui::Checkbox("cameras", &knobs.showsCameras);
     ImGui::SameLine();
+    ImGui::Checkbox("cells", &knobs.showsCells);
+    ImGui::SameLine();
     ImGui::Checkbox("floor", &knobs.settings.showsFloorGrid);
     int view = static_cast<int>(state.view);
     ImGui::RadioButton("walker", &view, 0);

@@ -3,6 +3,7 @@
 #include "app/device_trouble.h"
 #include "app/frame_pictures.h"
 #include "app/frame_report.h"
+#include "app/overlays.h"
 #include "app/progress.h"
 #include "app/scene_memory.h"
 #include "app/selection.h"
@@ -102,9 +103,10 @@ class Canvas {
 
 /// Draws and is drawn to the end: pictures of the eyes, and what they took.
 std::vector<render::EyeImage> drawOnce(render::Renderer& renderer, std::span<const scene::View> eyeViews,
-                                       const render::Quality& quality, FrameReport& report) {
+                                       const render::Quality& quality, const render::Overlay& overlay,
+                                       FrameReport& report) {
     const auto start = std::chrono::steady_clock::now();
-    renderer.draw(eyeViews, quality);
+    renderer.draw(eyeViews, quality, {}, &overlay);
     const render::FrameStats stats = renderer.finish();
     const std::chrono::duration<double, std::milli> passed = std::chrono::steady_clock::now() - start;
     std::vector<render::EyeImage> images = renderer.readBack();
@@ -122,6 +124,10 @@ void renderScene(const RenderOptions& options) {
     Canvas canvas(scene, quality.showUnseen, memoryFor(options.draw));
     DamageTeller damage;
     Selection selection(scene);
+    if (options.showsCells && !selection.hasCells())
+        throw scene::Failure("has no walk cells to show", options.scene,
+                             "build it with --no-cull from scans or polygons at several positions");
+    const scene::Pose worldFromWalk = inverse(scene.walkFromWorld);
 
     std::error_code error;
     std::filesystem::create_directories(options.out, error);
@@ -145,11 +151,13 @@ void renderScene(const RenderOptions& options) {
         while (images.empty()) {
             const render::Quality given = without(quality, givenUp);
             try {
-                selection.choose(canvas.gpuScene(), eyeViews, given);
+                canvas.gpuScene().showOnly(selection.choose(eyeViews, given));
                 canvas.gpuScene().settle(eyeViews, given);
                 for (const std::string& sentence : damage.news(canvas.gpuScene(), scene))
                     std::fprintf(stderr, "revisit: %s\n", sentence.c_str());
-                images = drawOnce(canvas.rendererFor(view.camera, eyes), eyeViews, given, report);
+                render::Overlay overlay;
+                if (options.showsCells) addCells(overlay, worldFromWalk, selection, view.worldFromCamera.translation);
+                images = drawOnce(canvas.rendererFor(view.camera, eyes), eyeViews, given, overlay, report);
             } catch (const render::OutOfMemory& failure) {
                 if (!giveUpMore(given, failure, givenUp)) throw;
             } catch (const render::DeviceLost& loss) {

@@ -12,6 +12,7 @@ struct RenderOptions {
     int width = 0, height = 0;                       ///< 0: the cameras' own; 640x480 for paths
     int eyes = 0;                                    ///< 0: one for cameras, two for paths
     bool aux = false;
+    bool showsCells = false; ///< walk cells are drawn over the pictures
     DrawOptions draw;
 };
 

@@ -50,14 +50,10 @@ glm::dvec3 Selection::aheadOf(const glm::dvec3& head, std::optional<double> seco
     return kSecondsAhead / passed * moved;
 }
 
-void Selection::choose(render::GpuScene& gpuScene, std::span<const scene::View> eyes, const render::Quality& quality,
-                       std::optional<double> seconds) {
-    if (!hasCells()) return;
+render::ImageShares Selection::choose(std::span<const scene::View> eyes, const render::Quality& quality,
+                                      std::optional<double> seconds) {
     ofPositions_.clear();
-    if (!quality.walksByCells) {
-        gpuScene.showOnly({}, {});
-        return;
-    }
+    if (!hasCells() || !quality.walksByCells) return {};
     // Of the head and not of each eye: both see the same images.
     glm::dvec3 head(0);
     for (const scene::View& eye : eyes)
@@ -77,7 +73,7 @@ void Selection::choose(render::GpuScene& gpuScene, std::span<const scene::View> 
         raiseTo(head + static_cast<double>(i) / kStepsAhead * ahead, cellAhead_, ofPositions_);
     toImages(soon_);
     ofPositions_ = drawn;
-    gpuScene.showOnly(now_, soon_);
+    return {now_, soon_};
 }
 
 } // namespace app

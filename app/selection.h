@@ -9,6 +9,7 @@
 #include "render/gpu_scene.h"
 #include "scene/plan/walk_cells.h"
 #include "scene/scene.h"
+#include "scene/view.h"
 
 #include <cstdint>
 #include <optional>
@@ -41,10 +42,10 @@ class Selection {
     /// Of each position's images, after choose; empty: all of all.
     std::span<const float> sharesOfPositions() const { return ofPositions_; }
 
-    /// Before each frame that these eyes get. seconds: when in a walk; what will be drawn where it leads is then
-    /// fetched before it is wanted.
-    void choose(render::GpuScene& gpuScene, std::span<const scene::View> eyes, const render::Quality& quality,
-                std::optional<double> seconds = {});
+    /// For each frame that these eyes get; holds until the next call. seconds: when in a walk; soon is then what will
+    /// be drawn where it leads.
+    render::ImageShares choose(std::span<const scene::View> eyes, const render::Quality& quality,
+                               std::optional<double> seconds = {});
 
   private:
     /// How far the walker will have moved in a while, metres in the world.

@@ -287,6 +287,7 @@ void Walk::fillOverlay(const xr::ViewSource& source) {
     if (!isDesk(source)) overlay_.vignette = static_cast<float>(locomotion_.vignette);
     if (knobs_.settings.showsFloorGrid) addFloorGrid(overlay_, worldFromWalk_, facts_.place, locomotion_.rig.origin.y);
     if (knobs_.showsCameras) addCameras(overlay_, scene_.images, worldFromWalk_ * facts_.place);
+    if (knobs_.showsCells) addCells(overlay_, worldFromWalk_, selection_, worldFromWalk_ * facts_.place);
     if (const std::optional<input::TeleportTarget>& target = locomotion_.target) {
         const std::array beam{worldFromWalk_ * target->from, worldFromWalk_ * target->to};
         addTeleport(overlay_, beam, worldFromWalk_.rotation * glm::dvec3(0, 1, 0), target->isAllowed(),
@@ -338,7 +339,7 @@ void Walk::draw(WalkStage& stage, xr::ViewSource& source, const xr::Frame& frame
     if (isDesk(source) || (deskSide_ != nullptr && deskSide_->desk.wantsPicture())) renderer.keepNext();
     fillOverlay(source);
     drawn_ = without(governed_ ? governed_->next(knobs_.quality, renderer.frames()) : knobs_.quality, givenUp_);
-    selection_.choose(stage.gpuScene(), std::span(views).first(eyes), drawn_, seconds_);
+    stage.gpuScene().showOnly(selection_.choose(std::span(views).first(eyes), drawn_, seconds_));
     if (options_.isHeadless && stage.gpuScene().isStreamed()) {
         if (renderer.frames() > 0) renderer.finish(); // nobody waits, and pictures must not hang on the disk
         stage.gpuScene().settle(std::span(views).first(eyes), drawn_);

@@ -24,6 +24,12 @@ struct SceneMemory {
     bool isStaged = false; ///< tests: as if the processor could not see the device's memory
 };
 
+/// How many of each captured image's samples are drawn, as shares; and how many may be soon, at least as many: they are
+/// fetched before they are wanted. Empty: all of all.
+struct ImageShares {
+    std::span<const float> now, soon;
+};
+
 class GpuScene {
   public:
     /// Copies what the blocks hold to the device, or what of it is always to be there; then the blocks must outlive the
@@ -54,11 +60,10 @@ class GpuScene {
     std::size_t bytesKept() const { return bytesKept_; } ///< of what is always there
     StreamCounts streamCounts() const { return stream_ ? stream_->counts() : StreamCounts{}; }
 
-    /// How many of each captured image's samples are drawn from the next frame on, as shares; empty: all of all. soon:
-    /// those that may be wanted next, to be fetched before they are; at least what is wanted now.
-    void showOnly(std::span<const float> shares, std::span<const float> soon) {
-        shares_.assign(shares.begin(), shares.end());
-        soon_.assign(soon.begin(), soon.end());
+    /// From the next frame on.
+    void showOnly(const ImageShares& shares) {
+        shares_.assign(shares.now.begin(), shares.now.end());
+        soon_.assign(shares.soon.begin(), shares.soon.end());
     }
     std::span<const float> shares() const { return shares_; }
 

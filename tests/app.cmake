@@ -44,7 +44,7 @@ revisit_test(revisit_app_unit_tests LABELS unit LINKS app nlohmann_json::nlohman
     SOURCES app/annotate_test.cpp app/desk_test.cpp app/governor_test.cpp app/kept_settings_test.cpp app/measure_table_test.cpp
         app/notes_test.cpp app/overlays_test.cpp
         app/picture_error_test.cpp app/quality_file_test.cpp
-        app/spread_test.cpp app/stage_store_test.cpp app/view_files_test.cpp app/walk_record_test.cpp)
+        app/selection_test.cpp app/spread_test.cpp app/stage_store_test.cpp app/view_files_test.cpp app/walk_record_test.cpp)
 
 # The window, with real keys, on a screen without a monitor.
 find_package(X11 REQUIRED)

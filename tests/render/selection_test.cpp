@@ -20,10 +20,10 @@ TEST_F(SelectionTest, OfAllOfAllImagesItIsThePictureThatNobodyAskedFor) {
     const CutScene cut = cutInLevels(roomFromThreePlaces());
     GpuScene scene(testDevice(), cut.blocks());
     for (const Way& way : ways()) {
-        scene.showOnly({}, {});
+        scene.showOnly({});
         const EyeImage plain = drawOnce(scene, eye_, way.quality);
         const std::vector<float> all(3, 1.0f);
-        scene.showOnly(all, all);
+        scene.showOnly({all, all});
         EXPECT_TRUE(isSame(plain, drawOnce(scene, eye_, way.quality))) << way.name;
     }
 }
@@ -32,7 +32,7 @@ TEST_F(SelectionTest, AnImageOfWhichNothingIsDrawnIsNotThere) {
     CutScene cut = cutInLevels(roomFromThreePlaces());
     GpuScene all(testDevice(), cut.blocks());
     const std::vector<float> shares{1, 1, 0};
-    all.showOnly(shares, shares);
+    all.showOnly({shares, shares});
     cut.images.pop_back(), cut.sets.pop_back();
     const GpuScene two(testDevice(), cut.blocks());
     for (const Way& way : ways()) {
@@ -74,7 +74,7 @@ TEST_F(SelectionTest, OfAShareTheSamplesThatTheHashNamesAreDrawn) {
         EXPECT_NEAR(static_cast<double>(drawn), expected, 0.01 * expected);
         const GpuScene byHand(testDevice(), thin.blocks());
         const std::vector<float> shares{1, 1, share};
-        scene.showOnly(shares, shares);
+        scene.showOnly({shares, shares});
         for (const Warp warp : {Warp::points, Warp::splats})
             EXPECT_TRUE(isSame(drawOnce(scene, eye_, qualityOf(warp)), drawOnce(byHand, eye_, qualityOf(warp))))
                 << share;
@@ -98,7 +98,7 @@ TEST_F(SelectionTest, WhatComesInComesLittleByLittle) {
         std::vector<EyeImage> pictures;
         for (int i = 0; i <= kSteps; ++i) {
             const std::vector<float> shares{1, 1, static_cast<float>(i) / kSteps};
-            scene.showOnly(shares, shares);
+            scene.showOnly({shares, shares});
             pictures.push_back(drawOnce(scene, eye_, quality));
         }
         const int all = pixelsThatDiffer(pictures.front(), pictures.back());
