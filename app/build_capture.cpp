@@ -128,8 +128,7 @@ ImportedImages capturePolygons(scene::Capture& capture, const BuildOptions& opti
         for (int face = 0; face < scene::kFaceCount; ++face) {
             const scene::View view = scene::faceView(face, positions[i], options.faceSize);
             const std::string faceName = name + "-" + scene::kFaceNames[static_cast<std::size_t>(face)];
-            imported.images.push_back(
-                {faceName, view.camera, view.worldFromEye, folder / (faceName + ".tiff"), {}});
+            imported.images.push_back({faceName, view.camera, view.worldFromEye, folder / (faceName + ".tiff"), {}});
         }
     }
     imported.key = keyOf(keys);

@@ -13,7 +13,8 @@ namespace app {
 void buildScene(const BuildOptions& options) {
     scene::Capture capture = scene::openCapture(options.inputs);
     const std::vector<std::size_t> heldOut = scene::findHeldOut(capture, options.holdOut);
-    if (capture.polygons.empty() && capture.scans.empty() && heldOut.size() == capture.photos.size()) throw nothingToBuild(options);
+    if (capture.polygons.empty() && capture.scans.empty() && heldOut.size() == capture.photos.size())
+        throw nothingToBuild(options);
     checkPositionsWish(options.positions, capture);
     for (const std::string& remark : capture.remarks)
         std::fprintf(stderr, "note: %s\n", remark.c_str());

@@ -27,8 +27,8 @@ struct BuildOptions {
     std::size_t memoryBytes = 8ull << 30; ///< pixels held at a time
     bool cull = true;                     ///< false: every sample is kept
     bool fuse = true;                     ///< false: kept samples stay as they were captured
-    PositionsWish positions; ///< of polygon scenes
-    int faceSize = 512;      ///< of their images, pixels
+    PositionsWish positions;              ///< of polygon scenes
+    int faceSize = 512;                   ///< of their images, pixels
     scene::CaptureLight light;
     scene::PolygonViewOptions polygonView;
     scene::CubeFaceOptions cubeFaces;

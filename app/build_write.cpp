@@ -64,11 +64,11 @@ json explain(const scene::Capture& capture, const ImportedImages& imported, cons
     if (!capture.polygons.empty())
         reasons.push_back("ray-traced: " + std::to_string(imported.polygons.triangles) + " triangles from " +
                           std::to_string(imported.polygons.positionsInWorld.size()) + " positions, six images of " +
-                          std::to_string(o.faceSize) + "x" + std::to_string(o.faceSize) + " each, in diffuse light: sun, sky, " +
-                          "what they throw back once, and a fill");
+                          std::to_string(o.faceSize) + "x" + std::to_string(o.faceSize) +
+                          " each, in diffuse light: sun, sky, " + "what they throw back once, and a fill");
     else
         reasons.push_back("depth images: " + std::to_string(capture.photos.size()) + " photographs and " +
-                      std::to_string(capture.scans.size()) + " scans in the capture");
+                          std::to_string(capture.scans.size()) + " scans in the capture");
     reasons.push_back(overlaps.pairs > 0
                           ? "skins, redundancy and fusion over " + std::to_string(overlaps.pairs) + " overlapping pairs"
                           : std::string("skins by planarity alone: no two images overlap"));
@@ -85,9 +85,9 @@ json describePolygons(const PolygonFigures& polygons, const BuildOptions& option
     json positions = json::array();
     for (const glm::dvec3& p : polygons.positionsInWorld)
         positions.push_back({p.x, p.y, p.z});
-    return {{"triangles", polygons.triangles}, {"instances", polygons.instances},
-            {"materials", polygons.materials}, {"textures", polygons.textures},
-            {"face_size", options.faceSize},   {"positions", positions},
+    return {{"triangles", polygons.triangles},      {"instances", polygons.instances},
+            {"materials", polygons.materials},      {"textures", polygons.textures},
+            {"face_size", options.faceSize},        {"positions", positions},
             {"light", describeLight(options.light)}};
 }
 
@@ -236,7 +236,7 @@ void writeScene(const std::filesystem::path& output, const scene::Capture& captu
 
         // Read back, which checks every block, and lay walk space into what was built.
         const scene::Scene written = scene::openScene(part);
-        manifest["walk_from_world"] = 
+        manifest["walk_from_world"] =
             rowMajor(findWalkSpace(written.images, written.blocks, imported.uprightInWorld, imported.eyeMetres));
         writeWhole(part / "scene.json", textOf(manifest));
         carryWalkersFiles(output, part);

@@ -72,7 +72,10 @@ void addCapture(CLI::App& build, app::BuildOptions& options) {
 
 void addBuild(CLI::App& program, app::BuildOptions& options, std::string& memory, int& threads) {
     CLI::App* build = program.add_subcommand("build", "Turn a capture into a scene.");
-    build->add_option("INPUT", options.inputs, "transforms.json (or its folder), a TUM RGB-D folder, .e57, .ptx; or polygons: .gltf, .glb, .obj, ...")
+    build
+        ->add_option(
+            "INPUT", options.inputs,
+            "transforms.json (or its folder), a TUM RGB-D folder, .e57, .ptx; or polygons: .gltf, .glb, .obj, ...")
         ->required();
     build->add_option("-o,--output", options.output, "folder of the scene")->required();
     build->add_option("--hold-out", options.holdOut,

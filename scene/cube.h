@@ -1,7 +1,8 @@
 #pragma once
 // The six faces of the cube about a reference position or a scanner: their names, and how each is turned.
 //
-//                 up                 The cube's axes are a scanner's: +Z up. Side faces have +Z up; up and down are what
+//                 up                 The cube's axes are a scanner's: +Z up. Side faces have +Z up; up and down are
+//                 what
 //      left front right back         one sees after tilting the head up or down from the front.
 //                down
 

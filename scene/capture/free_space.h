@@ -24,7 +24,7 @@ struct Surroundings {
     double hitShare = 0, backShare = 0; ///< of all looks: those that end on a surface, and on the back of one
     double nearestMetres = 0;           ///< along the looks; infinite if none ends
     double meanMetres = 0;              ///< how far looks go, those into the open not counted; 0 if none ends
-    double levelShare = 0; ///< of the looks about the horizon (kLevelSine): those that end
+    double levelShare = 0;              ///< of the looks about the horizon (kLevelSine): those that end
 };
 
 /// Directions evenly spread over the sphere, unit.

@@ -22,12 +22,12 @@ constexpr double kFarAway = std::numeric_limits<double>::infinity();
 constexpr float kLeastTrust = 1e-3f;
 enum : std::uint8_t { kUnknown, kBusy, kKnown };
 
-/// A rotation of +Z to a unit vector, smooth but for the one that points along -Z. Duff et al., "Building an orthonormal
-/// basis, revisited", 2017.
+/// A rotation of +Z to a unit vector, smooth but for the one that points along -Z. Duff et al., "Building an
+/// orthonormal basis, revisited", 2017.
 glm::dmat3 frameAbout(const glm::dvec3& n) {
     const double sign = std::copysign(1.0, n.z), a = -1.0 / (sign + n.z), b = n.x * n.y * a;
-    return {glm::dvec3(1.0 + sign * n.x * n.x * a, sign * b, -sign * n.x),
-            glm::dvec3(b, sign + n.y * n.y * a, -n.y), n};
+    return {glm::dvec3(1.0 + sign * n.x * n.x * a, sign * b, -sign * n.x), glm::dvec3(b, sign + n.y * n.y * a, -n.y),
+            n};
 }
 
 /// Directions about +Z as dense as the cosine, on a spiral that leaves no clumps.
@@ -59,8 +59,7 @@ SurfaceLight::Nodes::Nodes(int stepCount)
     : steps(stepCount), nodes(static_cast<std::size_t>((stepCount + 1) * (stepCount + 2) / 2)) {}
 
 SurfaceLight::SurfaceLight(const PolygonTracer& tracer, const CaptureLight& light)
-    : tracer_(tracer), light_(light), textures_(tracer.scene().textures.size()),
-      hemisphere_(cosineSpiral(light.rays)) {
+    : tracer_(tracer), light_(light), textures_(tracer.scene().textures.size()), hemisphere_(cosineSpiral(light.rays)) {
     assert(glm::length(light.towardsSun) > 0 && light.rays > 0 && light.spacingMetres > 0);
     light_.towardsSun = glm::normalize(light.towardsSun);
     light_.sun *= light.sunStrength, light_.fill *= light.fillStrength;
@@ -123,8 +122,7 @@ PolygonPoint SurfaceLight::pointAt(const glm::dvec3& origin, const glm::dvec3& d
 glm::vec2 SurfaceLight::texturePlaceAt(const PolygonHit& hit, const glm::dvec3& weights) const {
     const PolygonScene& scene = tracer_.scene();
     const PolygonMesh& mesh = scene.meshes[scene.instances[hit.instance].mesh];
-    return mesh.texturePlaces.empty() ? glm::vec2(0)
-                                      : blend(mesh.texturePlaces, mesh.triangles[hit.triangle], weights);
+    return mesh.texturePlaces.empty() ? glm::vec2(0) : blend(mesh.texturePlaces, mesh.triangles[hit.triangle], weights);
 }
 
 glm::vec3 SurfaceLight::colourAt(const PolygonHit& hit, const PolygonPoint& point,

@@ -2,10 +2,10 @@
 // Light on polygons that looks the same from everywhere, so that images from several places agree: a sun with sharp
 // shadows, a sky, what surfaces in the sun throw back once, and a fill that corners and folds get less of.
 //
-// The sun is asked for at every point. The rest is smooth and costs many rays, so it is found at nodes on the triangles,
-// when one is first looked at, and interpolated: a node is a function of the scene alone, whoever asks and in whatever
-// order. Kajiya, "The rendering equation", 1986, to the first bounce; Zhukov et al., "An ambient light illumination
-// model", 1998, for the fill.
+// The sun is asked for at every point. The rest is smooth and costs many rays, so it is found at nodes on the
+// triangles, when one is first looked at, and interpolated: a node is a function of the scene alone, whoever asks and
+// in whatever order. Kajiya, "The rendering equation", 1986, to the first bounce; Zhukov et al., "An ambient light
+// illumination model", 1998, for the fill.
 //
 //        *-------*-------*        nodes of a triangle, no farther apart than spacingMetres; those on its edges are
 //         \     / \     /         drawn in a little, since an edge may lie in a corner, where half of the rays would
@@ -24,12 +24,12 @@ namespace scene {
 
 /// Linear light: a surface shows its colour times what it gets. World +Y is up.
 struct CaptureLight {
-    glm::dvec3 towardsSun{-0.66, 0.72, -0.22}; ///< need not be a unit vector
-    glm::vec3 sun{2.6f, 2.4f, 2.1f};         ///< on a surface that faces it; 0: none
-    glm::vec3 zenith{0.75f, 1.0f, 1.45f};    ///< colour of the sky overhead
-    glm::vec3 horizon{1.25f, 1.3f, 1.35f};   ///< and at the horizon
-    glm::vec3 ground{0.35f, 0.33f, 0.3f};    ///< what is seen below the horizon where nothing stands
-    glm::vec3 fill{0.55f, 0.54f, 0.52f};     ///< stands for all further bounces
+    glm::dvec3 towardsSun{-0.66, 0.72, -0.22};                 ///< need not be a unit vector
+    glm::vec3 sun{2.6f, 2.4f, 2.1f};                           ///< on a surface that faces it; 0: none
+    glm::vec3 zenith{0.75f, 1.0f, 1.45f};                      ///< colour of the sky overhead
+    glm::vec3 horizon{1.25f, 1.3f, 1.35f};                     ///< and at the horizon
+    glm::vec3 ground{0.35f, 0.33f, 0.3f};                      ///< what is seen below the horizon where nothing stands
+    glm::vec3 fill{0.55f, 0.54f, 0.52f};                       ///< stands for all further bounces
     double sunStrength = 1, skyStrength = 1, fillStrength = 1; ///< times the colours above
     double fillReachMetres = 0.8; ///< a surface this near takes half of the fill away; 0: the fill is even
     int rays = 128;               ///< from each node
@@ -65,8 +65,8 @@ class SurfaceLight {
     /// Linear; direction need not be a unit vector.
     glm::vec3 skyTowards(const glm::dvec3& direction) const;
 
-    /// Brightness bent so that `white` is 1 (Reinhard et al., "Photographic tone reproduction for digital images", 2002,
-    /// eq. 4); linear still, so that means may be taken.
+    /// Brightness bent so that `white` is 1 (Reinhard et al., "Photographic tone reproduction for digital images",
+    /// 2002, eq. 4); linear still, so that means may be taken.
     glm::vec3 exposed(const glm::vec3& linear) const;
 
     /// Rays that were cast so far, for reports alone: how many nodes two threads find at once is chance.

@@ -18,7 +18,7 @@ constexpr int kBandRows = 16; ///< each band finds the rows beside it once more,
 struct Sample {
     glm::dvec3 ray{0.0}; ///< in the camera, z = 1
     double disparity = 0;
-    glm::dvec3 plane{0.0}; ///< of the surface: the disparity of ray r is dot(plane, r)
+    glm::dvec3 plane{0.0};  ///< of the surface: the disparity of ray r is dot(plane, r)
     glm::vec3 colour{0.0f}; ///< exposed, linear
     bool isSurface = false;
 };
@@ -49,8 +49,7 @@ class Looker {
         if (!(std::abs(along) > 1e-12 * hit->t)) sample.plane = glm::dvec3(0, 0, sample.disparity);
 
         const TextureFootprint footprint = footprintOf(*hit, point, sample, pixelShare);
-        sample.colour =
-            light_.exposed(light_.colourAt(*hit, point, footprint) * light_.at(*hit, point));
+        sample.colour = light_.exposed(light_.colourAt(*hit, point, footprint) * light_.at(*hit, point));
         return sample;
     }
 

@@ -11,14 +11,15 @@
 namespace scene {
 
 struct PolygonViewOptions {
-    int raysAcross = 4;      ///< an antialiased pixel is the mean over raysAcross x raysAcross rays; 1: none is
-    int colourStep = 6;      ///< of 255: neighbours whose colours differ by more are antialiased
+    int raysAcross = 4;       ///< an antialiased pixel is the mean over raysAcross x raysAcross rays; 1: none is
+    int colourStep = 6;       ///< of 255: neighbours whose colours differ by more are antialiased
     double sameDepth = 0.005; ///< relative; what is farther from a surface's plane than this is another surface
 };
 
-/// disparity and flags belong to the ray through the pixel's centre, with the intersection computed in double precision.
-/// Where it meets nothing: the sky's colour, disparity 0 and kNoSurface. Colours are sRGB and the same from everywhere,
-/// but for how much of a texture a pixel covers. On all cores; the bytes do not depend on how many there are.
+/// disparity and flags belong to the ray through the pixel's centre, with the intersection computed in double
+/// precision. Where it meets nothing: the sky's colour, disparity 0 and kNoSurface. Colours are sRGB and the same from
+/// everywhere, but for how much of a texture a pixel covers. On all cores; the bytes do not depend on how many there
+/// are.
 DepthImage renderPolygons(const PolygonTracer& tracer, const SurfaceLight& light, const View& view,
                           const PolygonViewOptions& options = {});
 

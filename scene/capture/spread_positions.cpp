@@ -24,7 +24,7 @@ constexpr int kLooks = 256;
 constexpr double kMostBacks = 0.1;  ///< share of looks that end at backs: one stands behind open geometry
 constexpr double kFloorShare = 0.2; ///< of the eye's height: half of the least width of a floor
 constexpr double kStepShare = 0.15; ///< of the eye's height: a step that is still the same floor
-constexpr double kLevel = 0.7; ///< cosine of the slope up to which one can stand
+constexpr double kLevel = 0.7;      ///< cosine of the slope up to which one can stand
 
 struct Candidate {
     glm::dvec3 position{0.0};
@@ -132,7 +132,8 @@ std::vector<Candidate> findCandidates(const PolygonTracer& tracer, const SpreadO
     const glm::dvec3 extent = bounds.high - bounds.low;
     const double step = std::max(extent.x, extent.z) / options.gridAcross;
     const double eye = std::min(options.eyeMetres, extent.y / 2);
-    const int columns = std::max(1, static_cast<int>(extent.x / step)), rows = std::max(1, static_cast<int>(extent.z / step));
+    const int columns = std::max(1, static_cast<int>(extent.x / step)),
+              rows = std::max(1, static_cast<int>(extent.z / step));
     std::vector<std::vector<Candidate>> found(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows));
     tbb::parallel_for(std::size_t{0}, found.size(), [&](std::size_t cell) {
         const auto column = static_cast<int>(cell) % columns, row = static_cast<int>(cell) / columns;
@@ -141,7 +142,8 @@ std::vector<Candidate> findCandidates(const PolygonTracer& tracer, const SpreadO
                              bounds.low.z + (row + 0.5) / rows * extent.z);
         for (const glm::dvec3& place : standsBelow(tracer, top, eye)) {
             const Surroundings about = lookRound(tracer, place);
-            if (about.nearestMetres < std::min(options.clearanceMetres, eye / 4) || about.backShare > kMostBacks) continue;
+            if (about.nearestMetres < std::min(options.clearanceMetres, eye / 4) || about.backShare > kMostBacks)
+                continue;
             if (!isFloorWide(tracer, place, eye)) continue;
             found[cell].push_back({place, about});
         }
@@ -184,9 +186,10 @@ std::vector<glm::dvec3> moveToMiddles(const std::vector<Candidate>& candidates, 
         for (std::size_t i = 0; i < positions.size(); ++i) {
             if (counts[i] == 0) continue;
             const glm::dvec3 middle = sums[i] / static_cast<double>(counts[i]);
-            const auto closest = std::min_element(candidates.begin(), candidates.end(), [&](const auto& a, const auto& b) {
-                return squaredDistance(a.position, middle) < squaredDistance(b.position, middle);
-            });
+            const auto closest =
+                std::min_element(candidates.begin(), candidates.end(), [&](const auto& a, const auto& b) {
+                    return squaredDistance(a.position, middle) < squaredDistance(b.position, middle);
+                });
             // Never onto another one: positions stay as many as were asked for.
             if (std::find(next.begin(), next.end(), closest->position) == next.end()) next[i] = closest->position;
         }
@@ -209,8 +212,8 @@ std::vector<glm::dvec3> spreadPositions(const PolygonTracer& tracer, int count, 
     const auto widest = std::max_element(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) {
         return a.about.meanMetres < b.about.meanMetres;
     });
-    std::vector<glm::dvec3> positions =
-        moveToMiddles(candidates, takeFarthest(candidates, static_cast<std::size_t>(widest - candidates.begin()), count));
+    std::vector<glm::dvec3> positions = moveToMiddles(
+        candidates, takeFarthest(candidates, static_cast<std::size_t>(widest - candidates.begin()), count));
     // The walk begins at the first: the one nearest to the widest look.
     std::swap(positions.front(), positions[nearestOf(positions, widest->position)]);
     return positions;

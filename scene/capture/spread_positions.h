@@ -2,9 +2,9 @@
 // Reference positions by no more than spreading them: the baseline that every search for better ones has to beat.
 //
 // Candidates stand at eye height over every floor on a grid; those that keep clear of surfaces, are in no solid, and
-// see surfaces nearly all round are spread by taking the farthest from those taken (T. Gonzalez, "Clustering to minimize
-// the maximum intercluster distance", 1985), then each moves to the middle of what is nearest to it (S. Lloyd, "Least
-// squares quantization in PCM", 1982).
+// see surfaces nearly all round are spread by taking the farthest from those taken (T. Gonzalez, "Clustering to
+// minimize the maximum intercluster distance", 1985), then each moves to the middle of what is nearest to it (S. Lloyd,
+// "Least squares quantization in PCM", 1982).
 
 #include "scene/capture/tracer.h"
 

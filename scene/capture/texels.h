@@ -21,7 +21,8 @@ inline Texels texelsAt(const glm::vec2& place, int width, int height) {
         const float rest = std::fmod(at, static_cast<float>(size));
         return std::min(static_cast<int>(rest < 0 ? rest + static_cast<float>(size) : rest), size - 1);
     };
-    const float x = place.x * static_cast<float>(width) - 0.5f, y = (1.0f - place.y) * static_cast<float>(height) - 0.5f;
+    const float x = place.x * static_cast<float>(width) - 0.5f,
+                y = (1.0f - place.y) * static_cast<float>(height) - 0.5f;
     const float left = std::floor(x), top = std::floor(y);
     return {wrap(left, width), wrap(left + 1, width), wrap(top, height), wrap(top + 1, height), x - left, y - top};
 }

@@ -73,7 +73,8 @@ Image<Rgb8> finished(const Weighted& level, const Image<Rgb8>* coarser) {
             if (w.w > 0)
                 colours(x, y) = srgbOf(glm::vec3(w) / w.w);
             else if (coarser != nullptr)
-                colours(x, y) = (*coarser)(std::min(x / 2, coarser->width() - 1), std::min(y / 2, coarser->height() - 1));
+                colours(x, y) =
+                    (*coarser)(std::min(x / 2, coarser->width() - 1), std::min(y / 2, coarser->height() - 1));
         }
     return colours;
 }
@@ -121,7 +122,8 @@ glm::vec3 TexturePyramid::colourAt(const glm::vec2& place, const TextureFootprin
     for (int i = 0; i < looks; ++i) {
         const glm::vec2 at = place + along * ((static_cast<float>(i) + 0.5f) / static_cast<float>(looks) - 0.5f);
         const glm::vec3 colour = bilinear(levels_[fine], at);
-        sum += fine == coarse ? colour : glm::mix(colour, bilinear(levels_[coarse], at), level - static_cast<float>(fine));
+        sum +=
+            fine == coarse ? colour : glm::mix(colour, bilinear(levels_[coarse], at), level - static_cast<float>(fine));
     }
     return sum / static_cast<float>(looks);
 }

@@ -130,7 +130,8 @@ void PolygonTracer::attachMesh(RTCSceneTy* to, unsigned id, std::uint32_t meshIn
         const auto filter = [](const RTCFilterFunctionNArguments* args) {
             assert(args->N == 1);
             const auto& hit = *reinterpret_cast<const RTCHit*>(args->hit);
-            if (isHole(*static_cast<const CutOut*>(args->geometryUserPtr), hit.primID, hit.u, hit.v)) args->valid[0] = 0;
+            if (isHole(*static_cast<const CutOut*>(args->geometryUserPtr), hit.primID, hit.u, hit.v))
+                args->valid[0] = 0;
         };
         rtcSetGeometryIntersectFilterFunction(geometry, filter);
         rtcSetGeometryOccludedFilterFunction(geometry, filter);
@@ -203,7 +204,8 @@ TriangleInWorld PolygonTracer::triangleOf(const PolygonHit& hit) const {
     const auto& corners = mesh.triangles[hit.triangle];
     TriangleInWorld triangle;
     for (std::size_t i = 0; i < 3; ++i)
-        triangle.corners[i] = glm::dvec3(instance.worldFromMesh * glm::dvec4(glm::dvec3(mesh.positions[corners[i]]), 1.0));
+        triangle.corners[i] =
+            glm::dvec3(instance.worldFromMesh * glm::dvec4(glm::dvec3(mesh.positions[corners[i]]), 1.0));
     triangle.across = glm::cross(triangle.corners[1] - triangle.corners[0], triangle.corners[2] - triangle.corners[0]);
     if (isMirrored_[hit.instance]) triangle.across = -triangle.across;
     return triangle;

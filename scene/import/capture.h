@@ -47,7 +47,7 @@ struct Capture {
     std::vector<PhotoSource> photos;
     std::vector<ScanSource> scans;
     std::vector<std::filesystem::path> polygons; ///< scenes to be ray-traced
-    std::vector<std::string> remarks; ///< what was seen but cannot be used, in whole sentences for the user
+    std::vector<std::string> remarks;            ///< what was seen but cannot be used, in whole sentences for the user
 };
 
 } // namespace scene

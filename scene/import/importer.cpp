@@ -44,8 +44,9 @@ void openInput(const std::filesystem::path& input, Capture& capture) {
     if (extension == ".e57") return append(capture.scans, listE57(input, capture.remarks));
     if (extension == ".ptx") return append(capture.scans, listPtx(input));
     if (isPolygonFile(input)) return capture.polygons.push_back(input);
-    throw Failure("format " + (extension.empty() ? std::string("without an extension") : extension) + " is not known",
-                  input, "give an .e57, a .ptx, a transforms.json, a folder in TUM layout, or polygons as .gltf, .glb or .obj");
+    throw Failure(
+        "format " + (extension.empty() ? std::string("without an extension") : extension) + " is not known", input,
+        "give an .e57, a .ptx, a transforms.json, a folder in TUM layout, or polygons as .gltf, .glb or .obj");
 }
 
 /// Bytes of the UTF-8 character at the start of text; 0 if none starts there.

@@ -8,7 +8,8 @@
 namespace scene {
 
 /// Lists everything in the inputs, reading headers and manifests only. An input is a transforms.json or a folder with
-/// one, a folder in TUM layout, an .e57 or a .ptx file, or, alone, a polygon scene. Names are made unique. Throws Failure for anything else.
+/// one, a folder in TUM layout, an .e57 or a .ptx file, or, alone, a polygon scene. Names are made unique. Throws
+/// Failure for anything else.
 Capture openCapture(std::span<const std::filesystem::path> inputs);
 
 /// Which photos --hold-out keeps out of the scene: "every:N:FIRST" (each N-th, counted over the photos, from FIRST on)

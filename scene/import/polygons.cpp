@@ -135,8 +135,7 @@ void placeInstances(const aiNode& node, const glm::dmat4& worldFromParent, int d
         throw Failure("holds nodes more than " + std::to_string(kDeepestNode) + " deep", path, "export it flatter");
     const glm::dmat4 worldFromNode = worldFromParent * matrixOf(node.mTransformation);
     const double determinant = glm::determinant(glm::dmat3(worldFromNode));
-    const bool isFlat = !std::isfinite(determinant) || determinant == 0 ||
-                        !isFinite(glm::vec3(worldFromNode[3]));
+    const bool isFlat = !std::isfinite(determinant) || determinant == 0 || !isFinite(glm::vec3(worldFromNode[3]));
     for (unsigned i = 0; i < node.mNumMeshes; ++i) {
         if (scene.meshes[node.mMeshes[i]].triangles.empty()) continue;
         if (isFlat)
@@ -204,10 +203,10 @@ PolygonScene readPolygons(const std::filesystem::path& path) {
     importer.SetIOHandler(files);
     importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
     importer.SetPropertyFloat(AI_CONFIG_PP_GSN_MAX_SMOOTHING_ANGLE, kCreaseDegrees);
-    const aiScene* source = importer.ReadFile(
-        path.filename().string(), aiProcess_Triangulate | aiProcess_SortByPType | aiProcess_GenSmoothNormals |
-                                      aiProcess_JoinIdenticalVertices | aiProcess_TransformUVCoords |
-                                      aiProcess_ValidateDataStructure);
+    const aiScene* source =
+        importer.ReadFile(path.filename().string(), aiProcess_Triangulate | aiProcess_SortByPType |
+                                                        aiProcess_GenSmoothNormals | aiProcess_JoinIdenticalVertices |
+                                                        aiProcess_TransformUVCoords | aiProcess_ValidateDataStructure);
     const char* const remedy = "export it again from the program that made it";
     if (source == nullptr || source->mRootNode == nullptr) {
         if (files->opened().empty()) throw Failure("cannot be opened", path, "check that it may be read");
@@ -234,7 +233,8 @@ PolygonScene readPolygons(const std::filesystem::path& path) {
     placeInstances(*source->mRootNode, glm::dmat4(1.0), 0, scene, flatInstances, path);
     remark(scene, brokenTriangles, "triangles have corners that are no numbers, and were left out");
     remark(scene, flatInstances, "objects are scaled to nothing, and were left out");
-    remark(scene, std::count_if(scene.materials.begin(), scene.materials.end(), [](const auto& m) { return m.isGlass; }),
+    remark(scene,
+           std::count_if(scene.materials.begin(), scene.materials.end(), [](const auto& m) { return m.isGlass; }),
            "materials are glass: light and looks go through, nothing is drawn of them");
     remarkOnUnits(*source, path, scene);
 
