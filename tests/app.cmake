@@ -19,6 +19,11 @@ revisit_program_test(revisit_measure_tests WHOLE LABELS programs TIMEOUT 300
 revisit_program_test(revisit_captures_tests LABELS data programs TIMEOUT 600
     SOURCES app/captures_test.cpp app/comparison.cpp app/program.cpp)
 
+# Polygons, from files to frames.
+revisit_program_test(revisit_polygons_build_tests LABELS data programs TIMEOUT 300
+    SOURCES app/comparison.cpp app/polygons_build_test.cpp app/program.cpp)
+target_link_libraries(revisit_polygons_build_tests PRIVATE scene_capture)
+
 # What the world may do to the programs; and an image from its own place.
 revisit_program_test(revisit_world_tests LABELS programs
     SOURCES app/comparison.cpp app/full_disk_test.cpp app/itself_test.cpp app/no_device_test.cpp app/program.cpp)

@@ -64,8 +64,10 @@ Assimp::IOStream* PolygonFiles::Open(const char* path, const char* mode) {
         refused_.emplace_back(path);
         return nullptr;
     }
-    opened_.push_back(findWithin(folder_, path));
-    return new FileStream(opened_.back()); // Assimp owns it until it calls Close
+    const std::filesystem::path found = findWithin(folder_, path);
+    // Files are opened again, to see what they are.
+    if (std::find(opened_.begin(), opened_.end(), found) == opened_.end()) opened_.push_back(found);
+    return new FileStream(found); // Assimp owns it until it calls Close
 }
 
 void PolygonFiles::Close(Assimp::IOStream* stream) {

@@ -1,0 +1,195 @@
+// Polygons through the built program: what a walker sees of a ray-traced room, and what the world may do to a build.
+
+#include "scene/capture/polygon_view.h"
+
+#include "tests/app/comparison.h"
+#include "tests/app/program.h"
+#include "tests/scene/scratch_folder.h"
+#include "tests/shared_data.h"
+
+#include <cmath>
+#include <cstdio>
+
+#include <glm/geometric.hpp>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <opencv2/imgcodecs.hpp>
+
+namespace app {
+namespace {
+
+using nlohmann::json;
+using scene::ScratchFolder;
+using scene::writeFile;
+using testing::HasSubstr;
+
+const std::string kRevisit = REVISIT_PROGRAM;
+
+/// A room of 6 x 3 x 8 m, open above, with a solid pillar about (1, 1.5, 1).
+void writeRoom(const std::filesystem::path& path) {
+    std::string text;
+    int count = 0;
+    const auto square = [&](glm::vec3 a, glm::vec3 u, glm::vec3 v) {
+        for (const glm::vec3& p : {a, a + u, a + u + v, a + v})
+            text += "v " + std::to_string(p.x) + " " + std::to_string(p.y) + " " + std::to_string(p.z) + "\n";
+        text += "f " + std::to_string(count + 1) + " " + std::to_string(count + 2) + " " + std::to_string(count + 3) +
+                " " + std::to_string(count + 4) + "\n";
+        count += 4;
+    };
+    square({-3, 0, -4}, {0, 0, 8}, {6, 0, 0});
+    square({-3, 0, -4}, {6, 0, 0}, {0, 3, 0}), square({3, 0, 4}, {-6, 0, 0}, {0, 3, 0});
+    square({-3, 0, 4}, {0, 0, -8}, {0, 3, 0}), square({3, 0, -4}, {0, 0, 8}, {0, 3, 0});
+    square({0.7f, 0, 1.3f}, {0.6f, 0, 0}, {0, 2.5f, 0}), square({1.3f, 0, 0.7f}, {-0.6f, 0, 0}, {0, 2.5f, 0});
+    square({0.7f, 0, 0.7f}, {0, 0, 0.6f}, {0, 2.5f, 0}), square({1.3f, 0, 1.3f}, {0, 0, -0.6f}, {0, 2.5f, 0});
+    square({0.7f, 2.5f, 1.3f}, {0.6f, 0, 0}, {0, 0, -0.6f});
+    writeFile(path, text);
+}
+
+Outcome build(const std::filesystem::path& polygons, const std::filesystem::path& output,
+              const std::vector<std::string>& further, const ScratchFolder& scratch) {
+    std::vector<std::string> command{kRevisit,      "build", polygons.string(), "-o", output.string(),
+                                     "--face-size", "48",    "--light-rays",    "16"};
+    command.insert(command.end(), further.begin(), further.end());
+    return run(command, scratch.path());
+}
+
+TEST(PolygonsBuild, AWalkBeginsOnTheFloorUpright) {
+    const ScratchFolder scratch;
+    writeRoom(scratch / "room.obj");
+    writeFile(scratch / "p.json", R"({"positions": [[-1, 1.25, 2], [-1, 1.6, -2]]})");
+    const Outcome built = build(scratch / "room.obj", scratch / "s", {"--positions", scratch / "p.json"}, scratch);
+    ASSERT_EQ(built.status, 0) << built.output;
+    const json scene = readJson(scratch / "s/scene.json");
+    const auto walk = scene.at("walk_from_world").get<std::vector<double>>();
+    const std::vector<double> expected{1, 0, 0, 1, 0, 1, 0, 0, 0, 0, 1, -2, 0, 0, 0, 1};
+    ASSERT_EQ(walk.size(), expected.size());
+    for (std::size_t i = 0; i < walk.size(); ++i)
+        EXPECT_NEAR(walk[i], expected[i], 1e-6) << i;
+    ASSERT_EQ(scene.at("images").size(), 12u);
+    EXPECT_EQ(scene.at("images")[0].at("name"), "p000-front");
+    EXPECT_EQ(scene.at("images")[11].at("name"), "p001-down");
+    EXPECT_EQ(scene.at("polygons").at("triangles"), 20);
+    EXPECT_EQ(scene.at("polygons").at("positions").size(), 2u);
+    const Outcome info = run({kRevisit, "info", (scratch / "s").string()}, scratch.path());
+    EXPECT_THAT(info.output, HasSubstr("20 triangles from 2 positions"));
+}
+
+TEST(PolygonsBuild, TheSameBytesOnOneThreadAndTwoAndAfterAStop) {
+    const ScratchFolder scratch;
+    writeRoom(scratch / "room.obj");
+    const auto builtWith = [&](const std::string& name, const std::string& positions, const std::string& threads) {
+        const Outcome built =
+            build(scratch / "room.obj", scratch / name, {"--positions", positions, "--threads", threads}, scratch);
+        EXPECT_EQ(built.status, 0) << built.output;
+        return built.output;
+    };
+    writeFile(scratch / "one.json", R"({"positions": [[-1, 1.6, 2]]})");
+    writeFile(scratch / "two.json", R"({"positions": [[-1, 1.6, 2], [-1, 1.6, -2]]})");
+    builtWith("a", scratch / "two.json", "1");
+    builtWith("b", scratch / "two.json", "2");
+    // A build that was killed after the first position has left just what this one leaves.
+    builtWith("c", scratch / "one.json", "2");
+    const auto kept = filesOf(scratch / "c.build");
+    builtWith("c", scratch / "two.json", "2");
+    EXPECT_EQ(filesOf(scratch / "a"), filesOf(scratch / "b"));
+    EXPECT_EQ(filesOf(scratch / "a"), filesOf(scratch / "c"));
+    int positions = 0;
+    for (const auto& entry : std::filesystem::directory_iterator(scratch / "c.build"))
+        positions += entry.path().filename().string().starts_with("position-");
+    EXPECT_EQ(positions, 2) << "the first was traced anew";
+}
+
+TEST(PolygonsBuild, WrongWishesAreToldInOneLine) {
+    const ScratchFolder scratch;
+    writeRoom(scratch / "room.obj");
+    writeFile(scratch / "solid.json", R"({"positions": [[-1, 1.6, 2], [1, 1.5, 1]]})");
+    writeFile(scratch / "points.obj", "v 0 0 0\nv 1 0 0\n");
+    const auto outcome = [&](const std::string& file, const std::vector<std::string>& further) {
+        const Outcome built = build(scratch / file, scratch / "s", further, scratch);
+        EXPECT_FALSE(std::filesystem::exists(scratch / "s"));
+        return std::pair(built.status, built.output);
+    };
+    using testing::Pair;
+    EXPECT_THAT(outcome("room.obj", {"--positions", "0"}), Pair(2, HasSubstr("no count")));
+    EXPECT_THAT(outcome("room.obj", {"--positions", "-4"}), Pair(2, HasSubstr("no count")));
+    EXPECT_THAT(outcome("room.obj", {"--positions", "auto"}), Pair(2, HasSubstr("give how many, or a file")));
+    EXPECT_THAT(outcome("room.obj", {"--positions", "3", "--face-size", "3"}), Pair(2, HasSubstr("--face-size")));
+    EXPECT_THAT(outcome("room.obj", {}), Pair(1, HasSubstr("--positions 8")));
+    EXPECT_THAT(outcome("room.obj", {"--positions", scratch / "none.json"}), Pair(1, HasSubstr("no such file")));
+    EXPECT_THAT(outcome("room.obj", {"--positions", scratch / "solid.json"}),
+                Pair(1, HasSubstr("position 1 (1 1.5 1) is inside a solid")));
+    EXPECT_THAT(outcome("points.obj", {"--positions", "2"}), Pair(1, HasSubstr("points.obj")));
+}
+
+/// Looks from a place at another, as a walker does.
+scene::View viewFrom(const glm::dvec3& eye, const glm::dvec3& at) {
+    const glm::dvec3 forward = glm::normalize(at - eye);
+    const glm::dvec3 right = glm::normalize(glm::cross(forward, glm::dvec3(0, 1, 0)));
+    return {{320, 240, 200, 200, 160, 120}, {glm::dmat3(right, glm::cross(forward, right), forward), eye}};
+}
+
+TEST(PolygonsBuild, TheFireplaceRoomFromBetweenItsPositions) {
+    const std::filesystem::path polygons = tests::dataFolder() / "fireplace_room/fireplace.obj";
+    if (!std::filesystem::exists(polygons)) GTEST_SKIP() << "because there is no " << polygons;
+    const ScratchFolder scratch;
+    const Outcome built = run({kRevisit, "build", polygons.string(), "-o", (scratch / "s").string(), "--positions", "3",
+                               "--face-size", "128", "--light-rays", "32"},
+                              scratch.path());
+    ASSERT_EQ(built.status, 0) << built.output;
+
+    const json places = readJson(scratch / "s/scene.json").at("polygons").at("positions");
+    ASSERT_EQ(places.size(), 3u);
+    glm::dvec3 middle(0);
+    for (const json& p : places)
+        middle += glm::dvec3(p[0].get<double>(), p[1].get<double>(), p[2].get<double>()) / 3.0;
+    const std::vector<scene::View> views{viewFrom(middle, middle + glm::dvec3(1, -0.2, 0.3)),
+                                         viewFrom(middle, middle + glm::dvec3(-0.8, -0.1, -1))};
+    json cameras = json::array();
+    for (std::size_t i = 0; i < views.size(); ++i) {
+        const glm::dmat4 m = toMatrix(views[i].worldFromEye);
+        json rows = json::array();
+        for (int k = 0; k < 16; ++k)
+            rows.push_back(m[k % 4][k / 4]);
+        const scene::Camera& c = views[i].camera;
+        cameras.push_back({{"name", "v" + std::to_string(i)},
+                           {"width", c.width},
+                           {"height", c.height},
+                           {"fx", c.fx},
+                           {"fy", c.fy},
+                           {"cx", c.cx},
+                           {"cy", c.cy},
+                           {"world_from_camera", rows}});
+    }
+    writeFile(scratch / "cameras.json", json{{"cameras", cameras}}.dump());
+    const Outcome drawn = run({kRevisit, "render", (scratch / "s").string(), "--out", (scratch / "frames").string(),
+                               "--cameras", (scratch / "cameras.json").string(), "--aux", "--warp", "mesh"},
+                              scratch.path());
+    ASSERT_EQ(drawn.status, 0) << drawn.output;
+
+    const scene::PolygonScene scene = scene::readPolygons(polygons);
+    const scene::PolygonTracer tracer(scene);
+    scene::CaptureLight options;
+    options.rays = 32;
+    const scene::SurfaceLight light(tracer, options);
+    for (std::size_t i = 0; i < views.size(); ++i) {
+        const scene::DepthImage truth = renderPolygons(tracer, light, views[i]);
+        cv::Mat3b colours(truth.camera.height, truth.camera.width);
+        for (int y = 0; y < colours.rows; ++y)
+            for (int x = 0; x < colours.cols; ++x) {
+                const scene::Rgb8 c = truth.colour(x, y);
+                colours(y, x) = {c.b, c.g, c.r};
+            }
+        const std::string name = (scratch / "frames").string() + "/v" + std::to_string(i);
+        const cv::Mat3b frame = cv::imread(name + ".png");
+        const cv::Mat1b seen(cv::imread(name + "-class.png", cv::IMREAD_GRAYSCALE) == 1);
+        ASSERT_EQ(frame.size(), colours.size());
+        const double decibels = psnr(frame, colours, seen);
+        const double share = static_cast<double>(cv::countNonZero(seen)) / static_cast<double>(seen.total());
+        std::printf("fireplace room, view %zu: %.2f dB, %.1f %% seen\n", i, decibels, 100 * share);
+        EXPECT_GE(decibels, 32);
+        EXPECT_GE(share, 0.85);
+    }
+}
+
+} // namespace
+} // namespace app

@@ -1,0 +1,13 @@
+# Polygon scenes: read, lit and looked at, against what is known of them; and built by the program.
+revisit_test(revisit_capture_tests LABELS unit
+    SOURCES
+        app/positions_test.cpp
+        scene/capture/cube_capture_test.cpp
+        scene/capture/free_space_test.cpp
+        scene/capture/light_test.cpp
+        scene/capture/polygon_view_test.cpp
+        scene/capture/spread_positions_test.cpp
+        scene/capture/texture_pyramid_test.cpp
+        scene/capture/tracer_test.cpp
+        scene/import/polygons_test.cpp
+    LINKS app scene_capture scene_project CLI11::CLI11 TBB::tbb opencv_core opencv_imgcodecs)
