@@ -2,6 +2,7 @@
 
 #include "app/build_stages.h"
 #include "app/progress.h"
+#include "app/search_positions.h"
 
 #include "scene/capture/free_space.h"
 #include "scene/capture/spread_positions.h"
@@ -49,22 +50,37 @@ std::string keyOfPosition(const json& files, const std::string& name, const glm:
                   describeLight(o.light)});
 }
 
-/// Spread ones are kept: to look round from every candidate takes a while.
-std::vector<glm::dvec3> choosePositions(const scene::PolygonTracer& tracer, const json& files,
-                                        const BuildOptions& options, StageStore& store) {
-    if (!options.positions.file.empty()) {
-        std::vector<glm::dvec3> positions = readPositionsFile(options.positions.file);
-        checkPositions(tracer, positions, options.positions.file);
-        return positions;
+/// Spread and searched ones are kept: to look round from every candidate takes a while.
+void choosePositions(const scene::PolygonTracer& tracer, const json& files, const BuildOptions& options,
+                     StageStore& store, PolygonFigures& figures) {
+    const PositionsWish& wish = options.positions;
+    if (!wish.file.empty()) {
+        figures.positionsInWorld = readPositionsFile(wish.file);
+        checkPositions(tracer, figures.positionsInWorld, wish.file);
+        return;
     }
-    const std::string key = keyOf({kCaptureVersion, files, options.positions.count});
+    const int count = wish.isSearched ? options.mostPositions : wish.count;
+    const std::string key = keyOf({kCaptureVersion, files, count, wish.isSearched});
     const std::filesystem::path folder = store.find("positions", key, [&](const std::filesystem::path& part) {
-        json list = json::array();
-        for (const glm::dvec3& p : spreadPositions(tracer, options.positions.count))
-            list.push_back({p.x, p.y, p.z});
-        writeWhole(part / "positions.json", json{{"positions", list}}.dump());
+        json list = json::array(), shares = json::array();
+        std::int64_t looks = 0;
+        const auto add = [&](const glm::dvec3& p) { list.push_back({p.x, p.y, p.z}); };
+        if (wish.isSearched)
+            for (const scene::PositionSearchStep& step : searchPositions(tracer, count)) {
+                add(step.position);
+                shares.push_back(step.unknownShare);
+                looks += step.evaluations;
+            }
+        else
+            for (const glm::dvec3& p : spreadPositions(tracer, count))
+                add(p);
+        writeWhole(part / "positions.json",
+                   json{{"positions", list}, {"unknown_shares", shares}, {"looks", looks}}.dump());
     });
-    return readPositionsFile(folder / "positions.json");
+    figures.positionsInWorld = readPositionsFile(folder / "positions.json");
+    const json kept = readJson(folder / "positions.json");
+    figures.unknownShares = kept.at("unknown_shares").get<std::vector<double>>();
+    figures.looks = kept.at("looks");
 }
 
 /// Nothing where there is no floor below, or one that no walker's eye is above.
@@ -102,8 +118,14 @@ ImportedImages capturePolygons(scene::Capture& capture, const BuildOptions& opti
 
     ImportedImages imported;
     imported.uprightInWorld = {0, 1, 0};
-    imported.polygons = {countTriangles(polygons), std::ssize(polygons.instances), std::ssize(polygons.materials),
-                         std::ssize(polygons.textures), choosePositions(tracer, files, options, store)};
+    imported.polygons = {countTriangles(polygons),
+                         std::ssize(polygons.instances),
+                         std::ssize(polygons.materials),
+                         std::ssize(polygons.textures),
+                         {},
+                         {},
+                         0};
+    choosePositions(tracer, files, options, store, imported.polygons);
     const std::vector<glm::dvec3>& positions = imported.polygons.positionsInWorld;
     imported.eyeMetres = heightAboveFloor(tracer, positions.front());
 

@@ -75,6 +75,12 @@ json explain(const scene::Capture& capture, const ImportedImages& imported, cons
     if (!o.cull) reasons.push_back("no culling: every sample is kept, as asked");
     reasons.push_back(o.findUnseen ? "coverage: what no image observed is shown as unseen"
                                    : "no coverage (--coverage builds it): nothing is shown as unseen");
+    if (!imported.polygons.unknownShares.empty()) {
+        char share[32];
+        std::snprintf(share, sizeof share, "%.2f %%", 100 * imported.polygons.unknownShares.back());
+        reasons.push_back("positions were searched for, in " + std::to_string(imported.polygons.looks) +
+                          " looks: of what is seen where one can stand, " + share + " is unknown to their images");
+    }
     if (!o.fuse) reasons.push_back("no fusion: samples stay as captured, as asked");
     return reasons;
 }
@@ -85,9 +91,14 @@ json describePolygons(const PolygonFigures& polygons, const BuildOptions& option
     json positions = json::array();
     for (const glm::dvec3& p : polygons.positionsInWorld)
         positions.push_back({p.x, p.y, p.z});
-    return {{"triangles", polygons.triangles},      {"instances", polygons.instances},
-            {"materials", polygons.materials},      {"textures", polygons.textures},
-            {"face_size", options.faceSize},        {"positions", positions},
+    return {{"unknown_shares", polygons.unknownShares},
+            {"search_looks", polygons.looks},
+            {"triangles", polygons.triangles},
+            {"instances", polygons.instances},
+            {"materials", polygons.materials},
+            {"textures", polygons.textures},
+            {"face_size", options.faceSize},
+            {"positions", positions},
             {"light", describeLight(options.light)}};
 }
 

@@ -42,9 +42,13 @@ void addCapture(CLI::App& build, app::BuildOptions& options) {
     build
         .add_option_function<std::string>(
             "--positions", [&](const std::string& text) { options.positions = app::parsePositions(text); },
-            "where reference images are taken: how many, spread over free space, or a JSON file of places in the "
-            "file's own coordinates: {\"positions\": [[x, y, z], ...]}")
-        ->type_name("N|FILE")
+            "where reference images are taken: how many, spread over free space; auto: where they show most that the "
+            "others do not; or a JSON file of places in the file's own coordinates: {\"positions\": [[x, y, z], ...]}")
+        ->type_name("N|auto|FILE")
+        ->group(group);
+    build.add_option("--count", options.mostPositions, "with --positions auto: how many at most")
+        ->check(CLI::Range(1, 100'000))
+        ->capture_default_str()
         ->group(group);
     build.add_option("--face-size", options.faceSize, "pixels along the side of each of the six images of a position")
         ->check(CLI::Range(scene::kLeastFaceSize, scene::kMostFaceSize))
@@ -127,7 +131,6 @@ void addBuild(CLI::App& program, app::BuildOptions& options, std::string& memory
     addCapture(*build, options);
     build->add_option("--memory", memory, "pixels held at a time, e.g. 8G")->capture_default_str();
     build->add_option("--threads", threads, "0: all")->check(CLI::Range(0, 1024))->capture_default_str();
-    refuse(*build, "--count", "walk cells");
     refuse(*build, "--register", "registration");
     refuse(*build, "--colour-even", "colour evening");
     build->footer("Examples:\n"

@@ -23,9 +23,7 @@ const char* const kFormRemedy = "write {\"positions\": [[x, y, z], ...]} in the 
 } // namespace
 
 PositionsWish parsePositions(const std::string& text) {
-    if (text == "auto")
-        throw CLI::ValidationError("--positions auto", "comes with the search for positions, which this version has "
-                                                       "not; give how many, or a file");
+    if (text == "auto") return {kMostSearched, {}, true};
     double number = 0;
     const char* const end = text.data() + text.size();
     const auto [last, error] = std::from_chars(text.data(), end, number);

@@ -11,13 +11,17 @@
 
 namespace app {
 
-/// How many, to be spread over free space, or the file that names them; neither: nothing was said.
+/// How many, to be spread over free space or to be searched for, or the file that names them; neither: nothing was
+/// said.
 struct PositionsWish {
     int count = 0;
     std::filesystem::path file;
+    bool isSearched = false; ///< count is then the most
 };
 
-/// "8" or the path of a file. Throws CLI::ValidationError for 0, numbers below, and "auto", which is still to come.
+inline constexpr int kMostSearched = 16; ///< unless --count says otherwise
+
+/// "8", "auto", or the path of a file. Throws CLI::ValidationError for 0 and numbers below.
 PositionsWish parsePositions(const std::string& text);
 
 /// Three numbers that are a direction. Throws CLI::ValidationError.

@@ -199,7 +199,30 @@ std::vector<glm::dvec3> moveToMiddles(const std::vector<Candidate>& candidates, 
     return positions;
 }
 
+std::size_t widestOf(const std::vector<Candidate>& candidates) {
+    return static_cast<std::size_t>(
+        std::max_element(candidates.begin(), candidates.end(),
+                         [](const auto& a, const auto& b) { return a.about.meanMetres < b.about.meanMetres; }) -
+        candidates.begin());
+}
+
+/// What a failure is about.
+std::string nameOf(const PolygonTracer& tracer) {
+    return tracer.scene().files.empty() ? std::string("scene") : tracer.scene().files.front().string();
+}
+
 } // namespace
+
+std::vector<glm::dvec3> standingPlaces(const PolygonTracer& tracer, const SpreadOptions& options) {
+    std::vector<Candidate> candidates = findCandidates(tracer, options);
+    if (candidates.empty())
+        throw Failure("has no floor at which one could stand", nameOf(tracer), "give a file of positions");
+    std::swap(candidates.front(), candidates[widestOf(candidates)]);
+    std::vector<glm::dvec3> places;
+    for (const Candidate& candidate : candidates)
+        places.push_back(candidate.position);
+    return places;
+}
 
 std::vector<glm::dvec3> spreadPositions(const PolygonTracer& tracer, int count, const SpreadOptions& options) {
     assert(count > 0);
@@ -207,15 +230,11 @@ std::vector<glm::dvec3> spreadPositions(const PolygonTracer& tracer, int count, 
     if (candidates.size() < static_cast<std::size_t>(count))
         throw Failure("has room for " + std::to_string(candidates.size()) + " positions at eye height, not " +
                           std::to_string(count),
-                      tracer.scene().files.empty() ? std::string("scene") : tracer.scene().files.front().string(),
-                      "ask for fewer, or give a file of positions");
-    const auto widest = std::max_element(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) {
-        return a.about.meanMetres < b.about.meanMetres;
-    });
-    std::vector<glm::dvec3> positions = moveToMiddles(
-        candidates, takeFarthest(candidates, static_cast<std::size_t>(widest - candidates.begin()), count));
+                      nameOf(tracer), "ask for fewer, or give a file of positions");
+    const std::size_t widest = widestOf(candidates);
+    std::vector<glm::dvec3> positions = moveToMiddles(candidates, takeFarthest(candidates, widest, count));
     // The walk begins at the first: the one nearest to the widest look.
-    std::swap(positions.front(), positions[nearestOf(positions, widest->position)]);
+    std::swap(positions.front(), positions[nearestOf(positions, candidates[widest].position)]);
     return positions;
 }
 

@@ -24,6 +24,10 @@ struct SpreadOptions {
     double richShare = 0.2;
 };
 
+/// All candidates, in the world; the first is the one with the widest look. A function of the scene alone. Throws
+/// Failure if there are none.
+std::vector<glm::dvec3> standingPlaces(const PolygonTracer& tracer, const SpreadOptions& options = {});
+
 /// As many positions, in the world (+Y up); the first is the one with the widest look, where a walk may begin. A
 /// function of the scene alone. Throws Failure if the scene has not so much free space. count > 0.
 std::vector<glm::dvec3> spreadPositions(const PolygonTracer& tracer, int count, const SpreadOptions& options = {});

@@ -112,7 +112,6 @@ TEST(PolygonsBuild, WrongWishesAreToldInOneLine) {
     using testing::Pair;
     EXPECT_THAT(outcome("room.obj", {"--positions", "0"}), Pair(2, HasSubstr("no count")));
     EXPECT_THAT(outcome("room.obj", {"--positions", "-4"}), Pair(2, HasSubstr("no count")));
-    EXPECT_THAT(outcome("room.obj", {"--positions", "auto"}), Pair(2, HasSubstr("give how many, or a file")));
     EXPECT_THAT(outcome("room.obj", {"--positions", "3", "--face-size", "3"}), Pair(2, HasSubstr("--face-size")));
     EXPECT_THAT(outcome("room.obj", {}), Pair(1, HasSubstr("--positions 8")));
     EXPECT_THAT(outcome("room.obj", {"--positions", scratch / "none.json"}), Pair(1, HasSubstr("no such file")));

@@ -19,7 +19,7 @@ TEST(Positions, ACountOrAFile) {
     EXPECT_TRUE(parsePositions("8").file.empty());
     EXPECT_EQ(parsePositions("places.json").file, "places.json");
     EXPECT_EQ(parsePositions("8.json").file, "8.json");
-    for (const char* wrong : {"0", "-3", "1.5", "1e9", "auto", "nan"})
+    for (const char* wrong : {"0", "-3", "1.5", "1e9", "nan"})
         EXPECT_THROW(parsePositions(wrong), CLI::ValidationError) << wrong;
 }
 

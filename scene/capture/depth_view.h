@@ -1,0 +1,13 @@
+#pragma once
+// Depth alone of a polygon scene: what searches need, without light.
+
+#include "scene/capture/tracer.h"
+#include "scene/depth_image.h"
+#include "scene/view.h"
+
+namespace scene {
+
+/// As renderPolygons has it, but for the colours, which are black. In this thread.
+DepthImage traceDepth(const PolygonTracer& tracer, const View& view);
+
+} // namespace scene
