@@ -1,7 +1,6 @@
 # Polygon scenes: read, lit and looked at, against what is known of them; and built by the program.
 revisit_test(revisit_capture_tests LABELS unit
     SOURCES
-        app/positions_test.cpp
         scene/capture/cube_capture_test.cpp
         scene/capture/free_space_test.cpp
         scene/capture/light_test.cpp
@@ -10,4 +9,4 @@ revisit_test(revisit_capture_tests LABELS unit
         scene/capture/texture_pyramid_test.cpp
         scene/capture/tracer_test.cpp
         scene/import/polygons_test.cpp
-    LINKS app scene_capture scene_project CLI11::CLI11 TBB::tbb opencv_core opencv_imgcodecs)
+    LINKS scene_capture scene_project TBB::tbb opencv_core opencv_imgcodecs)

@@ -62,6 +62,8 @@ SurfaceLight::SurfaceLight(const PolygonTracer& tracer, const CaptureLight& ligh
     : tracer_(tracer), light_(light), textures_(tracer.scene().textures.size()), hemisphere_(cosineSpiral(light.rays)) {
     assert(glm::length(light.towardsSun) > 0 && light.rays > 0 && light.spacingMetres > 0);
     light_.towardsSun = glm::normalize(light.towardsSun);
+    const PolygonBounds& bounds = tracer.bounds();
+    light_.spacingMetres = std::max(light.spacingMetres, kLeastSpacing * glm::distance(bounds.low, bounds.high));
     light_.sun *= light.sunStrength, light_.fill *= light.fillStrength;
     for (glm::vec3* const colour : {&light_.zenith, &light_.horizon, &light_.ground})
         *colour *= light.skyStrength;

@@ -22,6 +22,9 @@
 
 namespace scene {
 
+/// Nodes do not stand closer than this share of a scene's diagonal: files in centimetres would have millions.
+inline constexpr double kLeastSpacing = 0.004;
+
 /// Linear light: a surface shows its colour times what it gets. World +Y is up.
 struct CaptureLight {
     glm::dvec3 towardsSun{-0.66, 0.72, -0.22};                 ///< need not be a unit vector
@@ -33,7 +36,7 @@ struct CaptureLight {
     double sunStrength = 1, skyStrength = 1, fillStrength = 1; ///< times the colours above
     double fillReachMetres = 0.8; ///< a surface this near takes half of the fill away; 0: the fill is even
     int rays = 128;               ///< from each node
-    double spacingMetres = 0.25;  ///< between nodes
+    double spacingMetres = 0.25;  ///< between nodes; in large scenes kLeastSpacing of their diagonal
     float white = 3.5f;           ///< what is this bright is shown as white; brightness is bent on the way there
 };
 
@@ -44,7 +47,8 @@ struct PolygonPoint {
     glm::dvec3 weights{0.0};                 ///< of the triangle's corners
 };
 
-/// Lent the tracer. May be used from any number of threads.
+/// Lent the tracer. May be used from any number of threads. Takes some 100 bytes for each side of a triangle that was
+/// looked at, more for large ones.
 class SurfaceLight {
   public:
     SurfaceLight(const PolygonTracer& tracer, const CaptureLight& light);

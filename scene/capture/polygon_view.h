@@ -11,8 +11,11 @@
 namespace scene {
 
 struct PolygonViewOptions {
-    int raysAcross = 4;       ///< an antialiased pixel is the mean over raysAcross x raysAcross rays; 1: none is
-    int colourStep = 6;       ///< of 255: neighbours whose colours differ by more are antialiased
+    int raysAcross = 4; ///< an antialiased pixel is the mean over raysAcross x raysAcross rays; 1: none is
+    /// Of 255: neighbours whose colours differ by more are antialiased. Of a view of Sponza a seventh of the pixels
+    /// then are, which is 42.4 dB from the mean of 8 x 8 rays at every pixel; 6 costs twice the time for 45.2 dB, and
+    /// without antialiasing it is 36.7 dB.
+    int colourStep = 12;
     double sameDepth = 0.005; ///< relative; what is farther from a surface's plane than this is another surface
 };
 

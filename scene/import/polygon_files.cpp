@@ -4,16 +4,20 @@
 #include <cstdio>
 #include <fstream>
 
-#include <assimp/IOStream.hpp>
-
 namespace scene {
 
 namespace {
 
 class FileStream : public Assimp::IOStream {
   public:
-    explicit FileStream(const std::filesystem::path& path)
-        : file_(path, std::ios::binary), size_(static_cast<std::size_t>(std::filesystem::file_size(path))) {}
+    FileStream(const std::filesystem::path& path, std::set<Assimp::IOStream*>& open)
+        : file_(path, std::ios::binary), size_(static_cast<std::size_t>(std::filesystem::file_size(path))),
+          open_(open) {
+        open_.insert(this);
+    }
+    ~FileStream() override { open_.erase(this); }
+    FileStream(const FileStream&) = delete;
+    FileStream& operator=(const FileStream&) = delete;
 
     std::size_t Read(void* to, std::size_t size, std::size_t count) override {
         if (size == 0 || count == 0) return 0;
@@ -37,6 +41,7 @@ class FileStream : public Assimp::IOStream {
   private:
     mutable std::ifstream file_; // to ask where it stands is no change
     std::size_t size_;
+    std::set<Assimp::IOStream*>& open_;
 };
 
 } // namespace
@@ -50,6 +55,11 @@ std::filesystem::path findWithin(const std::filesystem::path& folder, std::strin
     if (error) return {};
     const auto [rootEnd, ignored] = std::mismatch(root.begin(), root.end(), path.begin(), path.end());
     return rootEnd == root.end() ? path : std::filesystem::path();
+}
+
+PolygonFiles::~PolygonFiles() {
+    while (!streams_.empty())
+        delete *streams_.begin();
 }
 
 bool PolygonFiles::Exists(const char* path) const {
@@ -67,7 +77,7 @@ Assimp::IOStream* PolygonFiles::Open(const char* path, const char* mode) {
     const std::filesystem::path found = findWithin(folder_, path);
     // Files are opened again, to see what they are.
     if (std::find(opened_.begin(), opened_.end(), found) == opened_.end()) opened_.push_back(found);
-    return new FileStream(found); // Assimp owns it until it calls Close
+    return new FileStream(found, streams_);
 }
 
 void PolygonFiles::Close(Assimp::IOStream* stream) {

@@ -2,9 +2,11 @@
 // The files that a polygon scene names: only those in its own folder or below are read, and which were is remembered.
 
 #include <filesystem>
+#include <set>
 #include <string>
 #include <vector>
 
+#include <assimp/IOStream.hpp>
 #include <assimp/IOSystem.hpp>
 
 namespace scene {
@@ -17,6 +19,9 @@ std::filesystem::path findWithin(const std::filesystem::path& folder, std::strin
 class PolygonFiles : public Assimp::IOSystem {
   public:
     explicit PolygonFiles(std::filesystem::path folder) : folder_(std::move(folder)) {}
+    ~PolygonFiles() override;
+    PolygonFiles(const PolygonFiles&) = delete;
+    PolygonFiles& operator=(const PolygonFiles&) = delete;
 
     bool Exists(const char* path) const override;
     char getOsSeparator() const override { return '/'; }
@@ -28,6 +33,7 @@ class PolygonFiles : public Assimp::IOSystem {
 
   private:
     std::filesystem::path folder_;
+    std::set<Assimp::IOStream*> streams_; ///< that are open: Assimp closes some, deletes others, and forgets the rest
     std::vector<std::filesystem::path> opened_;
     std::vector<std::string> refused_;
 };

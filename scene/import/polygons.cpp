@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 
 #include <assimp/GltfMaterial.h>
@@ -28,6 +29,8 @@ constexpr float kCreaseDegrees = 40;
 /// Rays are single precision relative to the scene's middle: larger scenes lose whole metres.
 constexpr double kLargestExtent = 1e7;
 constexpr std::int64_t kMostTriangles = 2'000'000'000;
+/// Scenes beyond these widths in metres are seldom meant in metres.
+constexpr double kSmallScene = 0.5, kLargeScene = 500;
 constexpr int kDeepestNode = 1000;
 const glm::vec3 kGrey(0.5f);
 
@@ -147,13 +150,23 @@ void placeInstances(const aiNode& node, const glm::dmat4& worldFromParent, int d
         placeInstances(*node.mChildren[i], worldFromNode, depth + 1, scene, flatInstances, path);
 }
 
-void remarkOnUnits(const aiScene& source, const std::filesystem::path& path, PolygonScene& scene) {
-    double scale = 1;
-    if (source.mMetaData != nullptr && source.mMetaData->Get("UnitScaleFactor", scale) && scale > 0 && scale != 100)
-        scene.remarks.push_back("the file says that its unit is " + std::to_string(scale / 100) +
-                                " m; coordinates are taken as metres all the same");
-    const std::string extension = path.extension().string();
-    if (extension == ".gltf" || extension == ".glb") scene.remarks.push_back("units are metres, as glTF says");
+/// What the file says of its unit, and what its size says.
+void remarkOnUnits(const aiScene& source, const glm::dvec3& extent, PolygonScene& scene) {
+    float centimetres = 100;
+    double preciseCentimetres = 100;
+    if (source.mMetaData != nullptr) {
+        source.mMetaData->Get("UnitScaleFactor", centimetres);
+        if (source.mMetaData->Get("UnitScaleFactor", preciseCentimetres))
+            centimetres = static_cast<float>(preciseCentimetres);
+    }
+    char text[160] = "";
+    if (centimetres > 0 && centimetres != 100)
+        std::snprintf(text, sizeof text, "the file says that its unit is %g m; it is taken for the metre all the same",
+                      static_cast<double>(centimetres) / 100);
+    else if (const double widest = std::max({extent.x, extent.y, extent.z});
+             widest < kSmallScene || widest > kLargeScene)
+        std::snprintf(text, sizeof text, "the scene is %.4g m wide if its unit is the metre, as is assumed", widest);
+    if (*text != '\0') scene.remarks.emplace_back(text);
 }
 
 void remark(PolygonScene& scene, std::int64_t count, const std::string& what) {
@@ -236,7 +249,6 @@ PolygonScene readPolygons(const std::filesystem::path& path) {
     remark(scene,
            std::count_if(scene.materials.begin(), scene.materials.end(), [](const auto& m) { return m.isGlass; }),
            "materials are glass: light and looks go through, nothing is drawn of them");
-    remarkOnUnits(*source, path, scene);
 
     if (countTriangles(scene) == 0)
         throw Failure("holds no triangles", path, "export surfaces, not only points, lines or cameras");
@@ -247,6 +259,7 @@ PolygonScene readPolygons(const std::filesystem::path& path) {
     if (!(std::max({extent.x, extent.y, extent.z}) <= kLargestExtent))
         throw Failure("is wider than " + std::to_string(static_cast<long>(kLargestExtent)) + " m", path,
                       "remove what lies so far away, or scale it");
+    remarkOnUnits(*source, extent, scene);
     return scene;
 }
 

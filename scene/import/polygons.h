@@ -2,7 +2,7 @@
 // Polygon scenes of other programs (OBJ, glTF, and whatever else Assimp reads) as plain values.
 //
 //   axes      as in the file: +Y up for glTF and OBJ, right-handed
-//   unit      the file's; taken for metres. glTF says metres; others rarely say, and then a remark does
+//   unit      the file's, taken for the metre; a remark says so where the file has another, or none is likely
 //   winding   counter-clockwise seen from the front, as the file has it; a mirroring instance turns it over
 //   textures  sRGB, the first row is the top; texture coordinates have v = 0 at the bottom
 
