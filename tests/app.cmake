@@ -24,6 +24,10 @@ revisit_program_test(revisit_polygons_build_tests LABELS data programs TIMEOUT 3
     SOURCES app/comparison.cpp app/polygons_build_test.cpp app/program.cpp)
 target_link_libraries(revisit_polygons_build_tests PRIVATE scene_capture)
 
+# Walk cells, and positions that choose themselves.
+revisit_program_test(revisit_cells_tests WHOLE LABELS programs TIMEOUT 300
+    SOURCES app/cells_test.cpp app/comparison.cpp app/program.cpp)
+
 # What the world may do to the programs; and an image from its own place.
 revisit_program_test(revisit_world_tests LABELS programs
     SOURCES app/comparison.cpp app/full_disk_test.cpp app/itself_test.cpp app/no_device_test.cpp app/program.cpp)

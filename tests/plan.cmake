@@ -5,8 +5,11 @@ revisit_test(revisit_position_search_tests LABELS scenes LINKS scene scene_plan
     SOURCES scene/plan/position_search_test.cpp)
 revisit_bench(revisit_plan_bench LINKS scene_plan CGAL::CGAL SOURCES bench/plan_bench.cpp)
 
-# Where positions stand and what is then unknown (docs/performance.md); run by hand, for minutes.
-add_executable(revisit_position_study bench/position_study.cpp)
-target_include_directories(revisit_position_study SYSTEM PRIVATE ${OpenCV_INCLUDE_DIRS})
-target_link_libraries(revisit_position_study PRIVATE revisit_flags scene_plan scene_capture nlohmann_json::nlohmann_json
-    opencv_core opencv_imgcodecs opencv_imgproc)
+# Where positions stand and what is then unknown, and what scenes built there are measured against
+# (docs/performance.md); run by hand, for minutes.
+foreach(study position_study polygon_truth)
+    add_executable(revisit_${study} bench/${study}.cpp)
+    target_include_directories(revisit_${study} SYSTEM PRIVATE ${OpenCV_INCLUDE_DIRS})
+    target_link_libraries(revisit_${study} PRIVATE revisit_flags scene_plan scene_capture nlohmann_json::nlohmann_json
+        opencv_core opencv_imgcodecs opencv_imgproc)
+endforeach()
