@@ -71,6 +71,7 @@ std::vector<glm::dvec3> choosePositions(const scene::PolygonTracer& tracer, cons
 scene::WalkStart findStart(const scene::PolygonTracer& tracer, const glm::dvec3& position) {
     constexpr double kTallestMetres = 3.0; // a floor that is farther below is no walker's
     constexpr int kSides = 4, kGrid = scene::kLeastFaceSize;
+    const glm::dvec3 kAhead(0.4, 0.4, 1);
     scene::WalkStart start;
     const std::optional<scene::PolygonHit> floor = tracer.cast(position, {0, -1, 0});
     if (floor && floor->t <= kTallestMetres) start.eyeMetres = floor->t;
@@ -79,7 +80,8 @@ scene::WalkStart findStart(const scene::PolygonTracer& tracer, const glm::dvec3&
         const scene::View view = scene::faceView(side, position, scene::kLeastFaceSize);
         double sum = 0;
         for (int i = 0; i < kGrid * kGrid; ++i) {
-            const glm::dvec3 ray = scene::rayThrough(view.camera, i % kGrid + 0.5, i / kGrid + 0.5);
+            // What counts lies ahead: to the sides of an aisle there are walls.
+            const glm::dvec3 ray = scene::rayThrough(view.camera, i % kGrid + 0.5, i / kGrid + 0.5) * kAhead;
             const std::optional<scene::PolygonHit> hit = tracer.cast(position, view.worldFromEye.rotation * ray);
             if (hit) sum += hit->t;
         }
