@@ -83,12 +83,29 @@ void choosePositions(const scene::PolygonTracer& tracer, const json& files, cons
     figures.looks = kept.at("looks");
 }
 
-/// Nothing where there is no floor below, or one that no walker's eye is above.
-std::optional<double> heightAboveFloor(const scene::PolygonTracer& tracer, const glm::dvec3& position) {
-    constexpr double kTallestMetres = 3.0;
+/// The first position, towards where one sees farthest.
+scene::WalkStart findStart(const scene::PolygonTracer& tracer, const glm::dvec3& position) {
+    constexpr double kTallestMetres = 3.0; // a floor that is farther below is no walker's
+    constexpr int kSides = 4, kGrid = scene::kLeastFaceSize;
+    const glm::dvec3 kAhead(0.4, 0.4, 1);
+    scene::WalkStart start;
     const std::optional<scene::PolygonHit> floor = tracer.cast(position, {0, -1, 0});
-    if (!floor || floor->t > kTallestMetres) return std::nullopt;
-    return floor->t;
+    if (floor && floor->t <= kTallestMetres) start.eyeMetres = floor->t;
+    double farthest = 0;
+    for (int side = 0; side < kSides; ++side) {
+        const scene::View view = scene::faceView(side, position, scene::kLeastFaceSize);
+        double sum = 0;
+        for (int i = 0; i < kGrid * kGrid; ++i) {
+            // What counts lies ahead: to the sides of an aisle there are walls.
+            const glm::dvec3 ray = scene::rayThrough(view.camera, i % kGrid + 0.5, i / kGrid + 0.5) * kAhead;
+            const std::optional<scene::PolygonHit> hit = tracer.cast(position, view.worldFromEye.rotation * ray);
+            if (hit) sum += hit->t;
+        }
+        if (sum <= farthest) continue;
+        farthest = sum;
+        start.image = static_cast<std::size_t>(side);
+    }
+    return start;
 }
 
 } // namespace
@@ -127,7 +144,7 @@ ImportedImages capturePolygons(scene::Capture& capture, const BuildOptions& opti
                          0};
     choosePositions(tracer, files, options, store, imported.polygons);
     const std::vector<glm::dvec3>& positions = imported.polygons.positionsInWorld;
-    imported.eyeMetres = heightAboveFloor(tracer, positions.front());
+    imported.start = findStart(tracer, positions.front());
 
     std::optional<scene::SurfaceLight> light; // not needed where all is there already
     std::vector<std::string> keys;

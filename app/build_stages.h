@@ -10,8 +10,7 @@
 #include "scene/import/capture.h"
 #include "scene/refine/cover.h"
 #include "scene/refine/pairs.h"
-
-#include <optional>
+#include "scene/scene.h"
 
 namespace app {
 
@@ -36,7 +35,7 @@ struct ImportedImages {
     std::string key;
     scene::CubeFaceReport scanPoints; ///< summed over the scans
     glm::dvec3 uprightInWorld{0};     ///< scans and polygons say what is up; zero if there are none
-    std::optional<double> eyeMetres;  ///< of the first image above its floor, where known
+    scene::WalkStart start;
     PolygonFigures polygons;
 };
 ImportedImages importImages(const scene::Capture& capture, const std::vector<std::size_t>& heldOut,

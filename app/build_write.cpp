@@ -249,7 +249,7 @@ void writeScene(const std::filesystem::path& output, const scene::Capture& captu
         // Read back, which checks every block, and lay walk space into what was built.
         const scene::Scene written = scene::openScene(part);
         manifest["walk_from_world"] =
-            rowMajor(findWalkSpace(written.images, written.blocks, imported.uprightInWorld, imported.eyeMetres));
+            rowMajor(findWalkSpace(written.images, written.blocks, imported.uprightInWorld, imported.start));
         writeWhole(part / "scene.json", textOf(manifest));
         carryWalkersFiles(output, part);
         sync();

@@ -56,10 +56,10 @@ std::vector<double> heightsOf(const std::vector<TileBlock>& blocks, const glm::d
 } // namespace
 
 Pose findWalkSpace(const std::vector<SceneImage>& images, const std::vector<TileBlock>& blocks,
-                   const glm::dvec3& uprightInWorld, std::optional<double> eyeMetres) {
+                   const glm::dvec3& uprightInWorld, const WalkStart& start) {
     if (images.empty()) return {};
     const glm::dvec3 up = glm::length(uprightInWorld) > 0 ? glm::normalize(uprightInWorld) : findUpright(images);
-    const Pose& first = images.front().worldFromCamera;
+    const Pose& first = images.at(start.image).worldFromCamera;
 
     // Level forward of the first camera; one that looks straight down has its image's top ahead.
     glm::dvec3 forward = first.rotation[2] - up * glm::dot(first.rotation[2], up);
@@ -67,11 +67,11 @@ Pose findWalkSpace(const std::vector<SceneImage>& images, const std::vector<Tile
     forward = glm::normalize(forward);
     const glm::dvec3 right = glm::cross(forward, up);
 
-    const std::vector<double> heights = eyeMetres ? std::vector<double>() : heightsOf(blocks, up);
+    const std::vector<double> heights = start.eyeMetres ? std::vector<double>() : heightsOf(blocks, up);
     const double eyeHeight = glm::dot(up, first.translation);
     constexpr double kFloorShare = 0.02; // lower samples are strays
     double floor = heights.empty()
-                       ? eyeHeight - eyeMetres.value_or(1.6)
+                       ? eyeHeight - start.eyeMetres.value_or(1.6)
                        : heights[static_cast<std::size_t>(kFloorShare * static_cast<double>(heights.size()))];
     floor = std::min(floor, eyeHeight);
 

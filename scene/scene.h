@@ -35,11 +35,16 @@ struct Scene {
     std::optional<Coverage> coverage; ///< what was observed; scenes of before have none
 };
 
+/// Where a walk begins.
+struct WalkStart {
+    std::size_t image = 0;           ///< under which one stands, and where it looks
+    std::optional<double> eyeMetres; ///< how high its camera is above the floor, where known: none is looked for then
+};
+
 /// Walk space for a capture: up is what the cameras hold upright on average (their x axes lie level), the floor is the
-/// lowest surface with a fair share of samples, the origin is on the floor under the first camera, which looks towards
-/// -Z. uprightInWorld: the capture's own up if its format has one (scans: +Z), else zero. eyeMetres: how high above its
-/// floor the first camera stands, where that is known; no floor is looked for then.
+/// lowest surface with a fair share of samples, the origin is on the floor under the camera of the start, which looks
+/// towards -Z. uprightInWorld: the capture's own up if its format has one (scans: +Z), else zero.
 Pose findWalkSpace(const std::vector<SceneImage>& images, const std::vector<TileBlock>& blocks,
-                   const glm::dvec3& uprightInWorld, std::optional<double> eyeMetres = std::nullopt);
+                   const glm::dvec3& uprightInWorld, const WalkStart& start = {});
 
 } // namespace scene

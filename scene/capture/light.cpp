@@ -19,7 +19,9 @@ constexpr int kMostSteps = 256; ///< of nodes along an edge: 33,000 nodes on the
 /// Share of the way between two nodes by which those on an edge are drawn in.
 constexpr double kDrawnIn = 0.03;
 constexpr double kFarAway = std::numeric_limits<double>::infinity();
-constexpr float kLeastTrust = 1e-3f;
+constexpr float kLeastTrust = 1e-3f;  ///< so that rooms whose every face is turned round are lit, too
+constexpr float kEnoughTrust = 0.05f; ///< of three nodes together
+constexpr int kReachOfTrust = 2;      ///< nodes to each side that are asked where there is less
 enum : std::uint8_t { kUnknown, kBusy, kKnown };
 
 /// A rotation of +Z to a unit vector, smooth but for the one that points along -Z. Duff et al., "Building an
@@ -223,6 +225,20 @@ SurfaceLight::Gathered SurfaceLight::gatheredAt(const PolygonHit& hit, const Tri
     return gathered;
 }
 
+SurfaceLight::Gathered SurfaceLight::gatheredAround(const PolygonHit& hit, const TriangleInWorld& triangle,
+                                                    Nodes& nodes, int i, int j) const {
+    Gathered around;
+    for (int dj = -kReachOfTrust; dj <= kReachOfTrust + 1; ++dj)
+        for (int di = -kReachOfTrust; di <= kReachOfTrust + 1; ++di) {
+            if (i + di < 0 || j + dj < 0 || i + di + j + dj > nodes.steps) continue;
+            const Gathered node = gatheredAt(hit, triangle, nodes, i + di, j + dj);
+            around.light += node.light * node.trust;
+            around.trust += node.trust;
+        }
+    around.light /= around.trust;
+    return around;
+}
+
 glm::vec3 SurfaceLight::at(const PolygonHit& hit, const PolygonPoint& point) const {
     const TriangleInWorld triangle = tracer_.triangleOf(hit);
     if (!(glm::length(triangle.across) > 0)) return light_.fill;
@@ -244,6 +260,11 @@ glm::vec3 SurfaceLight::at(const PolygonHit& hit, const PolygonPoint& point) con
         add(0, 0, 1 - s - t), add(1, 0, s), add(0, 1, t);
     else
         add(1, 1, s + t - 1), add(0, 1, 1 - s), add(1, 0, 1 - t);
+    if (trust < kEnoughTrust) { // all buried: what lies around them knows better
+        const Gathered around = gatheredAround(hit, triangle, nodes, i, j);
+        sum += around.light * (kEnoughTrust - trust);
+        trust = kEnoughTrust;
+    }
     return sum / trust + sunAt(point);
 }
 

@@ -92,6 +92,7 @@ class SurfaceLight {
     };
     Nodes& nodesOf(const PolygonHit& hit, const TriangleInWorld& triangle) const;
     Gathered gatheredAt(const PolygonHit& hit, const TriangleInWorld& triangle, Nodes& nodes, int i, int j) const;
+    Gathered gatheredAround(const PolygonHit& hit, const TriangleInWorld& triangle, Nodes& nodes, int i, int j) const;
     Gathered gather(const PolygonPoint& point) const;
     glm::vec3 sunAt(const PolygonPoint& point) const;
     glm::dvec3 bentNormal(const PolygonHit& hit, const glm::dvec3& weights, const glm::dvec3& flatNormal) const;
@@ -102,7 +103,8 @@ class SurfaceLight {
     std::vector<std::unique_ptr<TexturePyramid>> textures_;
     std::vector<glm::dvec3> hemisphere_; ///< about +Z, dense as the cosine
     std::vector<std::size_t> firstTriangle_;
-    mutable std::vector<std::atomic<Nodes*>> nodes_; ///< for each triangle its front and back; null until looked at
+    mutable std::vector<std::atomic<Nodes*>>
+        nodes_; ///< own; for each triangle its front and back, null until looked at
     mutable std::atomic<std::int64_t> raysCast_{0};
 };
 

@@ -169,8 +169,8 @@ void remarkOnUnits(const aiScene& source, const glm::dvec3& extent, PolygonScene
     if (*text != '\0') scene.remarks.emplace_back(text);
 }
 
-void remark(PolygonScene& scene, std::int64_t count, const std::string& what) {
-    if (count > 0) scene.remarks.push_back(std::to_string(count) + " " + what);
+void remark(PolygonScene& scene, std::int64_t count, const std::string& one, const std::string& many) {
+    if (count > 0) scene.remarks.push_back(std::to_string(count) + " " + (count == 1 ? one : many));
 }
 
 /// What Assimp says, in one line and short.
@@ -244,10 +244,13 @@ PolygonScene readPolygons(const std::filesystem::path& path) {
             throw Failure("names a material that it has not", path, remedy);
     }
     placeInstances(*source->mRootNode, glm::dmat4(1.0), 0, scene, flatInstances, path);
-    remark(scene, brokenTriangles, "triangles have corners that are no numbers, and were left out");
-    remark(scene, flatInstances, "objects are scaled to nothing, and were left out");
+    remark(scene, brokenTriangles, "triangle has corners that are no numbers, and was left out",
+           "triangles have corners that are no numbers, and were left out");
+    remark(scene, flatInstances, "object is scaled to nothing, and was left out",
+           "objects are scaled to nothing, and were left out");
     remark(scene,
            std::count_if(scene.materials.begin(), scene.materials.end(), [](const auto& m) { return m.isGlass; }),
+           "material is glass: light and looks go through, nothing is drawn of it",
            "materials are glass: light and looks go through, nothing is drawn of them");
 
     if (countTriangles(scene) == 0)

@@ -61,6 +61,7 @@ TEST(PolygonsBuild, AWalkBeginsOnTheFloorUpright) {
     ASSERT_EQ(built.status, 0) << built.output;
     const json scene = readJson(scratch / "s/scene.json");
     const auto walk = scene.at("walk_from_world").get<std::vector<double>>();
+    // From (-1, 2) one sees farthest ahead, along -Z; the floor is 1.25 m below.
     const std::vector<double> expected{1, 0, 0, 1, 0, 1, 0, 0, 0, 0, 1, -2, 0, 0, 0, 1};
     ASSERT_EQ(walk.size(), expected.size());
     for (std::size_t i = 0; i < walk.size(); ++i)
@@ -72,6 +73,18 @@ TEST(PolygonsBuild, AWalkBeginsOnTheFloorUpright) {
     EXPECT_EQ(scene.at("polygons").at("positions").size(), 2u);
     const Outcome info = run({kRevisit, "info", (scratch / "s").string()}, scratch.path());
     EXPECT_THAT(info.output, HasSubstr("20 triangles from 2 positions"));
+}
+
+TEST(PolygonsBuild, AWalkLooksWhereThereIsMostToSee) {
+    const ScratchFolder scratch;
+    writeRoom(scratch / "room.obj");
+    writeFile(scratch / "p.json", R"({"positions": [[-1, 1.6, -3]]})");
+    const Outcome built = build(scratch / "room.obj", scratch / "s", {"--positions", scratch / "p.json"}, scratch);
+    ASSERT_EQ(built.status, 0) << built.output;
+    const auto walk = readJson(scratch / "s/scene.json").at("walk_from_world").get<std::vector<double>>();
+    EXPECT_NEAR(walk[10], -1, 1e-9) << "back along +Z, which is ahead of the walker";
+    EXPECT_NEAR(walk[0], -1, 1e-9);
+    EXPECT_NEAR(walk[5], 1, 1e-9);
 }
 
 TEST(PolygonsBuild, TheSameBytesOnOneThreadAndTwoAndAfterAStop) {

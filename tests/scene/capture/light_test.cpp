@@ -87,6 +87,19 @@ TEST(Light, WhatTheSunFallsOnLightsWhatItDoesNot) {
     EXPECT_NEAR(below, 0.5 * std::sqrt(0.5) * (whole - shadow), 0.01);
 }
 
+TEST(Light, WhatStandsOnAFloorDoesNotDarkenItBesides) {
+    // The floor's triangles run on below a slab as thin as a carpet, where no light is.
+    PolygonScene scene = floorWithRoof();
+    addMesh(scene, boxMesh({4.03f, 0, 4.03f}, {9.07f, 0.01f, 9.07f}, false), glm::vec3(0.5f));
+    const PolygonTracer tracer(scene);
+    CaptureLight options = evenLight();
+    options.fill = glm::vec3(0);
+    options.rays = 64;
+    const SurfaceLight light(tracer, options);
+    for (double z = 5; z < 7; z += 0.0917)
+        EXPECT_GT(lightWhere(light, tracer, {3.99, 1, z}, {3.99, 0, z}).x, 0.75f) << z;
+}
+
 TEST(Light, BrightnessIsBentAndWhiteIsWhite) {
     const PolygonScene scene = floorWithRoof();
     const PolygonTracer tracer(scene);
