@@ -27,6 +27,7 @@ target_link_libraries(revisit_polygons_build_tests PRIVATE scene_capture)
 # Walk cells, and positions that choose themselves.
 revisit_program_test(revisit_cells_tests WHOLE LABELS programs TIMEOUT 300
     SOURCES app/cells_test.cpp app/comparison.cpp app/program.cpp)
+target_link_libraries(revisit_cells_tests PRIVATE scene_plan)
 
 # What the world may do to the programs; and an image from its own place.
 revisit_program_test(revisit_world_tests LABELS programs
