@@ -59,19 +59,23 @@ class Search {
     /// The best of the best of all cells; nothing if no place is left, or none is worth it.
     std::optional<std::size_t> next() {
         evaluations_ = 0;
-        // What all of a cell's view unknown would be worth bounds it: most cells need not be looked into.
-        std::vector<const std::vector<std::size_t>*> order;
-        for (const auto& [corners, members] : members_)
-            order.push_back(&members);
+        const bool isClimbing = options_.search == CellSearch::climbing;
+        std::vector<const Cell*> order;
+        for (const Cell& cell : members_)
+            order.push_back(&cell);
         std::stable_sort(order.begin(), order.end(),
-                         [](const auto* a, const auto* b) { return a->size() > b->size(); });
+                         [](const Cell* a, const Cell* b) { return a->second.size() > b->second.size(); });
         std::optional<std::size_t> best;
         double most = 0;
-        for (const std::vector<std::size_t>* members : order) {
-            const auto room = static_cast<double>(members->size());
-            if (best && room * mostOf(*members) <= most) continue;
-            const std::optional<std::size_t> found =
-                options_.search == CellSearch::climbing ? climb(*members) : breed(*members);
+        for (const Cell* cell : order) {
+            const auto& [corners, members] = *cell;
+            const auto room = static_cast<double>(members.size());
+            // What all of a cell's view unknown would be worth bounds it: most cells need not be looked into. The
+            // article looks into all that are new.
+            if (isClimbing && best && room * mostOf(members) <= most) continue;
+            std::optional<std::size_t>& found = bestOf_[corners];
+            if (!found || cornersOf_[*found] != corners || isTaken_[*found])
+                found = isClimbing ? climb(members) : breed(members);
             if (!found) continue;
             const double worth = room * valueOf(*found);
             if (worth > most) most = worth, best = found;
@@ -85,6 +89,7 @@ class Search {
     const UnknownSpace& space() const { return space_; }
 
   private:
+    using Cell = std::pair<const Corners, std::vector<std::size_t>>; ///< and the places in it
     struct Value {
         Corners corners; ///< it was worked out with
         double objective = 0;
@@ -100,6 +105,7 @@ class Search {
             cornersOf_[i] = cornersAt(cells_, places_[i], cell, found);
             members_[cornersOf_[i]].push_back(i);
         }
+        std::erase_if(bestOf_, [&](const auto& best) { return !members_.contains(best.first); });
     }
 
     bool isKnown(std::size_t place) const { return values_[place] && values_[place]->corners == cornersOf_[place]; }
@@ -229,6 +235,8 @@ class Search {
     WalkCells cells_;
     std::vector<Corners> cornersOf_; ///< of each place
     std::map<Corners, std::vector<std::size_t>> members_;
+    std::map<Corners, std::optional<std::size_t>>
+        bestOf_; ///< the best place of each cell, for as long as there is the cell
     std::vector<std::optional<Value>> values_;
     std::vector<std::vector<std::size_t>> neighbours_;
     std::int64_t evaluations_ = 0;
