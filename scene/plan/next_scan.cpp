@@ -13,17 +13,17 @@ namespace scene {
 
 namespace {
 
-constexpr std::size_t kRays = 2048;      ///< from a candidate
-constexpr std::size_t kDenseRays = 65536; ///< from one that was chosen: they say what is seen of each voxel
-constexpr double kVoxels = 32768;        ///< of unseen space
+constexpr std::size_t kRays = 2048;       ///< from a candidate
+constexpr std::size_t kDenseRays = 16384; ///< from one that was chosen: they say what is seen of each voxel
+constexpr double kNeighbourRadians = 0.25; ///< rays no farther apart may look at the same surface
+constexpr double kVoxels = 8192;        ///< of unseen space
 constexpr double kLeastVoxelMetres = 0.05;
-constexpr int kVoxelPoints = 3; ///< along an edge of a voxel, where its unseen volume is asked for
 constexpr std::size_t kBatch = 16; ///< candidates that are looked from again at a time
 
-/// The bounds in voxels: how much of each is unseen, and the share that the chosen scans are expected to see of it.
+/// The bounds in voxels: the chance that one of the chosen scans sees what is unseen in each.
 class UnseenVoxels {
   public:
-    UnseenVoxels(const Coverage& coverage, const UprightBounds& bounds, double unseenCubicMetres) : bounds_(bounds) {
+    UnseenVoxels(const UprightBounds& bounds, double unseenCubicMetres) {
         edge_ = std::max(kLeastVoxelMetres, std::cbrt(unseenCubicMetres / kVoxels));
         // A box of which hardly anything is unseen still must fit into memory.
         edge_ = std::max(edge_, std::cbrt(bounds.cubicMetres() / (64 * kVoxels)));
@@ -32,26 +32,11 @@ class UnseenVoxels {
             counts_[axis] = static_cast<std::size_t>(std::ceil(bounds.size[static_cast<int>(axis)] / edge_));
             count *= counts_[axis];
         }
-        unseen_.resize(count), taken_.resize(count, 0.0f);
-        const Pose worldFromBounds = inverse(bounds.boundsFromWorld);
-        tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
-            const glm::dvec3 corner(static_cast<double>(i % counts_[0]),
-                                    static_cast<double>(i / counts_[0] % counts_[1]),
-                                    static_cast<double>(i / counts_[0] / counts_[1]));
-            int found = 0;
-            for (int k = 0; k < kVoxelPoints * kVoxelPoints * kVoxelPoints; ++k) {
-                const glm::dvec3 at(k % kVoxelPoints, k / kVoxelPoints % kVoxelPoints,
-                                    k / kVoxelPoints / kVoxelPoints);
-                const glm::dvec3 p = edge_ * (corner + (at + 0.5) / double{kVoxelPoints});
-                found += observedAt(coverage, worldFromBounds * p) == Observed::unseen ? 1 : 0;
-            }
-            unseen_[i] = static_cast<float>(found * edge_ * edge_ * edge_ /
-                                            (kVoxelPoints * kVoxelPoints * kVoxelPoints));
-        });
+        taken_.resize(count, 0.0f);
     }
 
     double edge() const { return edge_; }
-    std::size_t size() const { return unseen_.size(); }
+    std::size_t size() const { return taken_.size(); }
     std::size_t at(const glm::dvec3& pInBounds) const {
         std::size_t index = 0;
         for (std::size_t axis = 3; axis-- > 0;) {
@@ -62,19 +47,25 @@ class UnseenVoxels {
         return index;
     }
     double taken(std::size_t voxel) const { return static_cast<double>(taken_[voxel]); }
-    /// Cubic metres that a scan is expected to see of each voxel.
-    void take(const std::vector<double>& cubicMetres) {
+    /// The chance that a scan sees what is unseen in each voxel.
+    void take(const std::vector<double>& chances) {
         for (std::size_t i = 0; i < taken_.size(); ++i)
-            if (unseen_[i] > 0)
-                taken_[i] = std::max(
-                    taken_[i], std::min(1.0f, static_cast<float>(cubicMetres[i] / static_cast<double>(unseen_[i]))));
+            taken_[i] = std::max(taken_[i], static_cast<float>(chances[i]));
     }
 
   private:
-    UprightBounds bounds_;
     double edge_ = 1;
     std::array<std::size_t, 3> counts_{};
-    std::vector<float> unseen_, taken_;
+    std::vector<float> taken_;
+};
+
+/// Directions in the axes of the bounds, and which are beside which.
+struct Rays {
+    Rays(std::size_t count, const ScanRays& rays)
+        : directions(spreadRays(count, rays)),
+          neighbours(neighboursOf(directions, kNeighbourRadians)) {}
+    std::vector<glm::dvec3> directions;
+    std::vector<std::vector<std::uint32_t>> neighbours;
 };
 
 struct Place {
@@ -87,24 +78,30 @@ struct Place {
 /// Walks the unseen parts of the rays about a place, in steps no longer than a voxel: visit(voxel, cubic metres, chance
 /// that a scan sees them).
 template <class Visit>
-void lookRound(const Place& place, const glm::dvec3& from, const std::vector<glm::dvec3>& directions,
+void lookRound(const Place& place, const glm::dvec3& from, const Rays& rays,
                const UnseenVoxels& voxels, Visit&& visit) {
     const glm::dmat3 worldFromBounds = inverse(place.bounds.boundsFromWorld).rotation;
     const glm::dvec3 origin = place.bounds.boundsFromWorld * from;
+    const std::vector<glm::dvec3>& directions = rays.directions;
     const double third = solidAngleOf(place.rays) / static_cast<double>(directions.size()) / 3;
-    SightLine line;
-    for (const glm::dvec3& direction : directions) {
-        follow(place.coverage, place.bounds, from, worldFromBounds * direction, place.rays.farthestMetres, line);
+    std::vector<SightLine> lines(directions.size());
+    for (std::size_t i = 0; i < lines.size(); ++i)
+        follow(place.coverage, place.bounds, from, worldFromBounds * directions[i], place.rays.farthestMetres,
+               lines[i]);
+    continueSurfaces(lines, rays.neighbours);
+    for (std::size_t i = 0; i < lines.size(); ++i) {
+        const SightLine& line = lines[i];
+        const glm::dvec3& direction = directions[i];
         if (line.unseen.empty()) continue;
         const SightChance chance(line, place.seen, std::asin(std::clamp(direction.y, -1.0, 1.0)));
         double passed = 0;
         for (const UnseenStretch& stretch : line.unseen) {
             const int steps = static_cast<int>(std::ceil((stretch.to - stretch.from) / voxels.edge()));
             const double step = (stretch.to - stretch.from) / std::max(1, steps);
-            for (int i = 0; i < steps; ++i) {
-                const double r = stretch.from + i * step, next = r + step, middle = r + 0.5 * step;
+            for (int k = 0; k < steps; ++k) {
+                const double r = stretch.from + k * step, next = r + step, middle = r + 0.5 * step;
                 visit(voxels.at(origin + middle * direction), third * (next * next * next - r * r * r),
-                      chance.after(passed + (i + 0.5) * step));
+                      chance.after(passed + (k + 0.5) * step));
             }
             passed += stretch.to - stretch.from;
         }
@@ -112,29 +109,33 @@ void lookRound(const Place& place, const glm::dvec3& from, const std::vector<glm
 }
 
 /// Cubic metres that a scan from there is expected to see beyond what the chosen ones see.
-double gainOf(const Place& place, const glm::dvec3& from, const std::vector<glm::dvec3>& directions,
+double gainOf(const Place& place, const glm::dvec3& from, const Rays& rays,
               const UnseenVoxels& voxels) {
     double gain = 0;
-    lookRound(place, from, directions, voxels, [&](std::size_t voxel, double cubicMetres, double chance) {
+    lookRound(place, from, rays, voxels, [&](std::size_t voxel, double cubicMetres, double chance) {
         gain += cubicMetres * std::max(0.0, chance - voxels.taken(voxel));
     });
     return gain;
 }
 
-std::vector<double> seenOfVoxels(const Place& place, const glm::dvec3& from,
-                                 const std::vector<glm::dvec3>& directions, const UnseenVoxels& voxels) {
-    std::vector<double> seen(voxels.size(), 0.0);
-    lookRound(place, from, directions, voxels,
-              [&](std::size_t voxel, double cubicMetres, double chance) { seen[voxel] += cubicMetres * chance; });
+/// The mean chance, over what its rays pass of each voxel: they stand close enough to speak for all of it.
+std::vector<double> chancesOf(const Place& place, const glm::dvec3& from, const Rays& rays,
+                              const UnseenVoxels& voxels) {
+    std::vector<double> seen(voxels.size(), 0.0), passed(voxels.size(), 0.0);
+    lookRound(place, from, rays, voxels, [&](std::size_t voxel, double cubicMetres, double chance) {
+        seen[voxel] += cubicMetres * chance, passed[voxel] += cubicMetres;
+    });
+    for (std::size_t i = 0; i < seen.size(); ++i)
+        if (passed[i] > 0) seen[i] /= passed[i];
     return seen;
 }
 
 /// The floor under a place in walk space, looked for from the tripod's height down; nothing where it was not seen.
-std::optional<double> floorUnder(const Coverage& coverage, const UprightBounds& bounds, const Pose& walkFromWorld,
+std::optional<double> floorUnder(const Coverage& coverage, const Pose& walkFromWorld,
                                  const glm::dvec3& fromInWalk, const NextScanOptions& options) {
     SightLine line;
     const Pose worldFromWalk = inverse(walkFromWorld);
-    follow(coverage, bounds, worldFromWalk * fromInWalk, worldFromWalk.rotation * glm::dvec3(0, -1, 0),
+    follow(coverage, wholeCube(coverage), worldFromWalk * fromInWalk, worldFromWalk.rotation * glm::dvec3(0, -1, 0),
            fromInWalk.y + options.floorToleranceMetres, line);
     if (!line.endsAtSurface || !line.unseen.empty()) return std::nullopt;
     const double floor = fromInWalk.y - line.endMetres;
@@ -179,7 +180,7 @@ std::vector<glm::dvec3> findStandingPlaces(const Coverage& coverage, const Pose&
                                                bounds.size.z);
                 glm::dvec3 at = walkFromWorld * (worldFromBounds * ground);
                 at.y = options.tripodMetres;
-                const std::optional<double> floor = floorUnder(coverage, bounds, walkFromWorld, at, options);
+                const std::optional<double> floor = floorUnder(coverage, walkFromWorld, at, options);
                 if (!floor || !isClear(coverage, worldFromWalk, {at.x, *floor, at.z}, options)) continue;
                 found[row].push_back(worldFromWalk * glm::dvec3(at.x, *floor + options.tripodMetres, at.z));
             }
@@ -209,10 +210,9 @@ NextScanPlan planNextScans(const Coverage& coverage, const Pose& walkFromWorld, 
     plan.candidates = places.size();
     if (places.empty() || plan.unseenCubicMetres <= 0) return plan;
 
-    UnseenVoxels voxels(coverage, plan.bounds, plan.unseenCubicMetres);
+    UnseenVoxels voxels(plan.bounds, plan.unseenCubicMetres);
     const Place place{coverage, plan.bounds, plan.seen, options.rays};
-    const std::vector<glm::dvec3> directions = spreadRays(kRays, options.rays);
-    const std::vector<glm::dvec3> dense = spreadRays(kDenseRays, options.rays);
+    const Rays rays(kRays, options.rays), dense(kDenseRays, options.rays);
     struct Candidate {
         std::size_t place = 0;
         double gain = 0;
@@ -220,7 +220,7 @@ NextScanPlan planNextScans(const Coverage& coverage, const Pose& walkFromWorld, 
     };
     std::vector<Candidate> candidates(places.size());
     tbb::parallel_for(std::size_t{0}, candidates.size(), [&](std::size_t i) {
-        candidates[i] = {i, gainOf(place, places[i], directions, voxels), 0};
+        candidates[i] = {i, gainOf(place, places[i], rays, voxels), 0};
     });
     const auto isBetter = [](const Candidate& a, const Candidate& b) {
         return a.gain != b.gain ? a.gain > b.gain : a.place < b.place;
@@ -233,14 +233,14 @@ NextScanPlan planNextScans(const Coverage& coverage, const Pose& walkFromWorld, 
             tbb::parallel_for(std::size_t{0}, std::min(kBatch, candidates.size()), [&](std::size_t i) {
                 Candidate& candidate = candidates[i];
                 if (candidate.chosenThen == chosen) return;
-                candidate = {candidate.place, gainOf(place, places[candidate.place], directions, voxels), chosen};
+                candidate = {candidate.place, gainOf(place, places[candidate.place], rays, voxels), chosen};
             });
         }
         const glm::dvec3& best = places[candidates.front().place];
-        const double gain = candidates.front().gain;
+        const double gain = gainOf(place, best, dense, voxels); // the best of many looks is one that erred upwards
         if (gain < options.leastShare * plan.unseenCubicMetres) break;
         plan.scans.push_back({best, walkFromWorld * best, gain, std::min(1.0, gain / plan.unseenCubicMetres)});
-        voxels.take(seenOfVoxels(place, best, dense, voxels));
+        voxels.take(chancesOf(place, best, dense, voxels));
         candidates.erase(candidates.begin());
         if (told) told(plan.scans.size());
     }

@@ -17,7 +17,7 @@ constexpr std::size_t kLearnRays = 2048;
 constexpr std::size_t kMostPlaces = 64; ///< to learn from
 /// Nearer to a side of the bounds a surface is taken for the wall, floor or ceiling there: share of the side's length,
 /// and at most so many metres.
-constexpr double kShellShare = 0.06, kShellMetres = 0.3;
+constexpr double kShellShare = 0.03, kShellMetres = 0.1;
 
 std::size_t bandOf(double elevationRadians) {
     const double band = std::floor((elevationRadians / kPi + 0.5) * kElevationBands);
@@ -34,13 +34,14 @@ double exitOf(const glm::dvec3& least, const glm::dvec3& most, const glm::dvec3&
     return exit;
 }
 
-bool isAtShell(const UprightBounds& bounds, const glm::dvec3& pInWorld) {
+/// Not at the shell, nor outside.
+bool isInside(const UprightBounds& bounds, const glm::dvec3& pInWorld) {
     const glm::dvec3 p = bounds.boundsFromWorld * pInWorld;
     for (int axis = 0; axis < 3; ++axis) {
         const double margin = std::min(kShellMetres, kShellShare * bounds.size[axis]);
-        if (p[axis] < margin || p[axis] > bounds.size[axis] - margin) return true;
+        if (p[axis] < margin || p[axis] > bounds.size[axis] - margin) return false;
     }
-    return false;
+    return true;
 }
 
 struct RayEnds {
@@ -106,19 +107,20 @@ SeenPlace learnFromSeen(const Coverage& coverage, const UprightBounds& bounds, s
         if (bounds.holds(stood[i])) places.push_back(stood[i]);
     const std::vector<glm::dvec3> directions = spreadRays(kLearnRays, rays);
     const glm::dmat3 worldFromBounds = inverse(bounds.boundsFromWorld).rotation;
+    const UprightBounds cube = wholeCube(coverage);
     std::vector<RayEnds> ends(places.size());
     tbb::parallel_for(std::size_t{0}, places.size(), [&](std::size_t i) {
         SightLine line;
         for (const glm::dvec3& direction : directions) {
             const glm::dvec3 ray = worldFromBounds * direction;
             const std::size_t band = bandOf(std::asin(std::clamp(direction.y, -1.0, 1.0)));
-            follow(coverage, bounds, places[i], ray, rays.farthestMetres, line);
+            follow(coverage, cube, places[i], ray, rays.farthestMetres, line);
             const double seen = line.unseen.empty() ? line.endMetres : line.unseen.front().from;
             ends[i].metres += seen;
             ends[i].rays[band] += 1;
             if (!line.endsAtSurface || !line.unseen.empty()) continue;
             ends[i].echoes[band] += 1;
-            ends[i].things += isAtShell(bounds, places[i] + line.endMetres * ray) ? 0 : 1;
+            ends[i].things += isInside(bounds, places[i] + line.endMetres * ray) ? 1 : 0;
         }
     });
     RayEnds all;
@@ -132,6 +134,41 @@ SeenPlace learnFromSeen(const Coverage& coverage, const UprightBounds& bounds, s
     for (std::size_t band = 0; band < kElevationBands; ++band)
         seen.echo[band] = all.rays[band] > 0 ? all.echoes[band] / all.rays[band] : 1;
     return seen;
+}
+
+std::vector<std::vector<std::uint32_t>> neighboursOf(const std::vector<glm::dvec3>& directions, double mostRadians) {
+    std::vector<std::vector<std::uint32_t>> neighbours(directions.size());
+    tbb::parallel_for(std::size_t{0}, directions.size(), [&](std::size_t i) {
+        std::vector<std::pair<double, std::uint32_t>> away;
+        for (std::size_t j = 0; j < directions.size(); ++j)
+            if (j != i && std::abs(directions[i].y - directions[j].y) < mostRadians) away.emplace_back(-glm::dot(directions[i], directions[j]), static_cast<std::uint32_t>(j));
+        const double least = -std::cos(mostRadians);
+        const auto end = std::partition(away.begin(), away.end(), [&](const auto& a) { return a.first <= least; });
+        std::sort(away.begin(), end);
+        for (auto at = away.begin(); at != end; ++at)
+            neighbours[i].push_back(at->second);
+    });
+    return neighbours;
+}
+
+void continueSurfaces(std::vector<SightLine>& lines, const std::vector<std::vector<std::uint32_t>>& neighbours) {
+    std::vector<double> ends(lines.size(), -1);
+    for (std::size_t i = 0; i < lines.size(); ++i) {
+        if (lines[i].endsAtSurface || lines[i].unseen.empty()) continue;
+        for (const std::uint32_t j : neighbours[i])
+            if (lines[j].endsAtSurface && lines[j].endMetres > lines[i].unseen.front().from) {
+                ends[i] = lines[j].endMetres;
+                break;
+            }
+    }
+    for (std::size_t i = 0; i < lines.size(); ++i) {
+        SightLine& line = lines[i];
+        if (ends[i] < 0 || ends[i] >= line.endMetres) continue;
+        line.endMetres = ends[i]; // a guess: whether there is an echo stays open
+        while (line.unseen.back().from >= ends[i])
+            line.unseen.pop_back();
+        line.unseen.back().to = std::min(line.unseen.back().to, ends[i]);
+    }
 }
 
 SightChance::SightChance(const SightLine& line, const SeenPlace& seen, double elevationRadians)

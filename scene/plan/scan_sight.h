@@ -22,6 +22,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -66,6 +67,14 @@ struct SightLine {
 /// direction: unit, world. line: reused from call to call.
 void follow(const Coverage& coverage, const UprightBounds& bounds, const glm::dvec3& origin,
             const glm::dvec3& direction, double farthestMetres, SightLine& line);
+
+/// Of each direction the others within an angle, nearest first.
+std::vector<std::vector<std::uint32_t>> neighboursOf(const std::vector<glm::dvec3>& directions, double mostRadians);
+
+/// Surfaces go on behind what hides them: a line that goes through unseen space and meets no surface ends where the
+/// nearest line beside it does that ends at a surface behind the place where this one entered. Lines in the order of
+/// their directions; those whose neighbours all leave the bounds are as they were. Whether there is an echo stays open.
+void continueSurfaces(std::vector<SightLine>& lines, const std::vector<std::vector<std::uint32_t>>& neighbours);
 
 /// The chance that a place on the line is seen by a scan: pass stretches in their order.
 class SightChance {

@@ -1,6 +1,7 @@
 #include "scene/plan/upright_bounds.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -15,14 +16,15 @@ namespace scene {
 
 namespace {
 
-constexpr int kFootprintPixels = 256;     ///< along an edge of the picture of the ground that tells how walls lie
 constexpr int kDirections = 90;           ///< of walls that are tried, a degree apart
-constexpr int kBins = 8192;               ///< along each axis, over twice the cube's edge
-constexpr double kFarShare = 2e-3;        ///< of the surfaces' area, at each end of an axis, may lie outside
+constexpr int kBins = 2048;               ///< along each axis, over twice the cube's edge
+constexpr double kFarShare = 0.01;        ///< of what was seen empty, at each end of an axis, may lie outside,
+constexpr double kThinShare = 0.25;       ///< unless it goes on as wide as this share of the mean
+constexpr double kThinnestShare = 0.02;   ///< the same, to tell how the box lies: corners of a crooked one are thin
 constexpr double kGridPoints = 1 << 20;
 
-/// Each cell that a surface goes through: its centre in the world and its edge.
-void forEachSurface(const Coverage& coverage, const std::function<void(const glm::dvec3&, double)>& visit) {
+/// Each cell that was seen empty: its centre in the world and its edge.
+void forEachEmpty(const Coverage& coverage, const std::function<void(const glm::dvec3&, double)>& visit) {
     struct Entry {
         std::size_t node;
         glm::dvec3 corner;
@@ -38,36 +40,48 @@ void forEachSurface(const Coverage& coverage, const std::function<void(const glm
         for (int bit = 0; bit < 64; ++bit) {
             const std::uint64_t mask = coverageMask(bit);
             const glm::dvec3 corner = entry.corner + cell * glm::dvec3(bit % 4, bit / 4 % 4, bit / 16);
-            if ((node.surface & mask) != 0) visit(corner + 0.5 * cell, cell);
+            if (((node.unseen | node.surface | node.children) & mask) == 0) visit(corner + 0.5 * cell, cell);
             if ((node.children & mask) != 0)
                 open.push_back({node.firstChild + childRank(node.children, bit), corner, cell});
         }
     }
 }
 
-/// Area by place along an axis.
-class Histogram {
+/// Volume by place along an axis.
+class Profile {
   public:
-    explicit Histogram(double edgeMetres) : areas_(kBins, 0.0), bin_(2 * edgeMetres / kBins) {}
-    void add(double at, double area) {
-        const double index = std::floor(at / bin_) + kBins / 2;
-        areas_[static_cast<std::size_t>(std::clamp(index, 0.0, kBins - 1.0))] += area;
-        sum_ += area;
+    explicit Profile(double edgeMetres) : volumes_(kBins, 0.0), bin_(2 * edgeMetres / kBins) {}
+    /// A cell is spread over its width.
+    void add(double at, double width, double volume) {
+        const int first = index(at - 0.5 * width), last = index(at + 0.5 * width);
+        for (int i = first; i <= last; ++i)
+            volumes_[static_cast<std::size_t>(i)] += volume / (last - first + 1);
+        sum_ += volume;
     }
-    std::pair<double, double> range() const {
-        return {end(0, 1), end(kBins - 1, -1)};
+    std::pair<double, double> range(double thinShare) const {
+        int least = inner(0, 1), most = inner(kBins - 1, -1);
+        const double thin = thinShare * sum_ / (most - least + 1);
+        while (least > 0 && volumes_[static_cast<std::size_t>(least - 1)] > thin)
+            --least;
+        while (most + 1 < kBins && volumes_[static_cast<std::size_t>(most + 1)] > thin)
+            ++most;
+        return {(least - kBins / 2) * bin_, (most + 1 - kBins / 2) * bin_};
     }
 
   private:
-    /// The outer edge of the first bin from that end that has more than the far share behind it.
-    double end(int from, int step) const {
+    int index(double at) const {
+        return static_cast<int>(std::clamp(std::floor(at / bin_) + kBins / 2, 0.0, kBins - 1.0));
+    }
+    /// The first bin from an end with more than the far share up to it.
+    int inner(int from, int step) const {
         double passed = 0;
         int i = from;
-        while (i + step >= 0 && i + step < kBins && (passed += areas_[static_cast<std::size_t>(i)]) <= kFarShare * sum_)
+        while (i + step >= 0 && i + step < kBins &&
+               (passed += volumes_[static_cast<std::size_t>(i)]) <= kFarShare * sum_)
             i += step;
-        return (i - kBins / 2 + (step > 0 ? 0 : 1)) * bin_;
+        return i;
     }
-    std::vector<double> areas_;
+    std::vector<double> volumes_;
     double bin_, sum_ = 0;
 };
 
@@ -88,59 +102,47 @@ UprightBounds findUprightBounds(const Coverage& coverage, const Pose& walkFromWo
     // About the cube's middle, so that large coordinates lose nothing.
     const glm::dvec3 middle = coverage.cornerInWorld + 0.5 * coverage.edgeMetres;
     const Pose centred{walkFromWorld.rotation, -(walkFromWorld.rotation * middle)};
-    const auto rangesAt = [&](double radians, const auto& forEach) {
+    const auto rangesAt = [&](double radians, double thinShare, const auto& forEach) {
         const Pose boundsFromWorld = turned(centred, radians);
-        std::array<Histogram, 3> axes{Histogram(coverage.edgeMetres), Histogram(coverage.edgeMetres),
-                                      Histogram(coverage.edgeMetres)};
-        forEach([&](const glm::dvec3& p, double area) {
+        std::array<Profile, 3> axes{Profile(coverage.edgeMetres), Profile(coverage.edgeMetres),
+                                    Profile(coverage.edgeMetres)};
+        forEach([&](const glm::dvec3& p, double edge) {
             const glm::dvec3 at = boundsFromWorld * p;
             for (std::size_t axis = 0; axis < 3; ++axis)
-                axes[axis].add(at[static_cast<int>(axis)], area);
+                axes[axis].add(at[static_cast<int>(axis)], edge, edge * edge * edge);
         });
         UprightBounds bounds{boundsFromWorld, {}};
         for (int axis = 0; axis < 3; ++axis) {
-            const auto [least, most] = axes[static_cast<std::size_t>(axis)].range();
+            const auto [least, most] = axes[static_cast<std::size_t>(axis)].range(thinShare);
             bounds.boundsFromWorld.translation[axis] -= least;
             bounds.size[axis] = most - least;
         }
         return bounds;
     };
-    // Which way the walls run, from a coarse picture of the ground.
-    std::vector<double> ground(static_cast<std::size_t>(kFootprintPixels) * kFootprintPixels, 0.0);
-    const double pixel = 2 * coverage.edgeMetres / kFootprintPixels;
+    // Which way the walls run is told by the larger cells; small ones are most of the work and hold little.
     bool isAny = false;
-    forEachSurface(coverage, [&](const glm::dvec3& p, double edge) {
-        const glm::dvec3 at = centred * p;
-        const auto index = [&](double x) {
-            return static_cast<std::size_t>(
-                std::clamp(std::floor(x / pixel) + kFootprintPixels / 2, 0.0, kFootprintPixels - 1.0));
-        };
-        ground[index(at.z) * kFootprintPixels + index(at.x)] += edge * edge;
-        isAny = true;
-    });
+    double largest = 0;
+    forEachEmpty(coverage, [&](const glm::dvec3&, double edge) { isAny = true, largest = std::max(largest, edge); });
     if (!isAny) return {};
-    const Pose worldFromCentred = inverse(centred);
     std::vector<std::pair<glm::dvec3, double>> coarse;
-    for (std::size_t i = 0; i < ground.size(); ++i)
-        if (ground[i] > 0)
-            coarse.emplace_back(
-                worldFromCentred *
-                    glm::dvec3((static_cast<double>(i % kFootprintPixels) - kFootprintPixels / 2 + 0.5) * pixel, 0,
-                               (static_cast<double>(i / kFootprintPixels) - kFootprintPixels / 2 + 0.5) * pixel),
-                ground[i]);
+    forEachEmpty(coverage, [&](const glm::dvec3& p, double edge) {
+        if (edge > largest / 20) coarse.emplace_back(p, edge);
+    });
     double best = 0, bestArea = std::numeric_limits<double>::infinity();
     for (int i = 0; i < kDirections; ++i) {
         const double radians = i * 1.5707963267948966 / kDirections;
-        const UprightBounds bounds = rangesAt(radians, [&](const auto& add) {
-            for (const auto& [p, area] : coarse)
-                add(p, area);
+        const UprightBounds bounds = rangesAt(radians, kThinnestShare, [&](const auto& add) {
+            for (const auto& [p, edge] : coarse)
+                add(p, edge);
         });
         // An equal one that comes later would turn on rounding alone.
         if (bounds.size.x * bounds.size.z < 0.999 * bestArea) bestArea = bounds.size.x * bounds.size.z, best = radians;
     }
-    return rangesAt(best, [&](const auto& add) {
-        forEachSurface(coverage, [&](const glm::dvec3& p, double edge) { add(p, edge * edge); });
-    });
+    return rangesAt(best, kThinShare, [&](const auto& add) { forEachEmpty(coverage, add); });
+}
+
+UprightBounds wholeCube(const Coverage& coverage) {
+    return {{glm::dmat3(1), -coverage.cornerInWorld}, glm::dvec3(coverage.edgeMetres)};
 }
 
 double unseenWithin(const Coverage& coverage, const UprightBounds& bounds) {

@@ -19,9 +19,12 @@ struct UprightBounds {
     bool holds(const glm::dvec3& pInWorld) const;
 };
 
-/// A few surfaces that lie far off, as seen through a window, do not count. walkFromWorld: +Y up (scene/pose.h). Empty
-/// if no surface was observed.
+/// What was seen far off through a small window does not count. walkFromWorld: +Y up (scene/pose.h). Empty if nothing
+/// was seen empty.
 UprightBounds findUprightBounds(const Coverage& coverage, const Pose& walkFromWorld);
+
+/// All that a coverage knows of, along the world's axes.
+UprightBounds wholeCube(const Coverage& coverage);
 
 /// Cubic metres of a box that nobody observed; from points on a grid, a million at most. Parallel; the same on any
 /// number of threads.

@@ -97,51 +97,14 @@ SyntheticScene roomWithHiddenCorner() {
 
 TEST(NextScan, Tell) {
     tell("hidden", roomWithHiddenCorner(), {{2, 4, 1.5}});
+    std::fflush(stdout);
     for (const char* name : {"room", "corridor", "corner"}) {
         const SyntheticScene place = *makeSyntheticScene(name);
         std::vector<glm::dvec3> stood;
         for (const Pose& pose : scanPositions(place)) {
             stood.push_back(pose.translation);
-            if (stood.size() <= 2) tell(name, place, stood);
+            if (stood.size() <= 1 + (name[2] == 'r')) tell(name, place, stood);
         }
-    }
-}
-
-TEST(NextScan, Dump) {
-    for (const char* name : {"room", "corridor", "corner"}) {
-    const SyntheticScene place = *makeSyntheticScene(name);
-    std::vector<glm::dvec3> stood{scanPositions(place)[0].translation};
-    const Coverage c = scanFrom(place, stood);
-    NextScanOptions o; o.count = 1;
-    const NextScanPlan plan = planNextScans(c, walkFromUpright(), stood, o);
-    const glm::dvec3 from = plan.scans[0].positionInWorld;
-    SightLine line;
-    const auto w = inverse(plan.bounds.boundsFromWorld).rotation;
-    auto dirs = spreadRays(8192, {});
-    double before = 0, beyond = 0, sky = 0, chanceBefore = 0, chanceBeyond = 0, bandLoss[4]{};
-    for (auto d : dirs) {
-        auto r = w * d;
-        follow(c, plan.bounds, from, r, 60, line);
-        if (line.unseen.empty()) continue;
-        const auto hit = castRay(place, from, r);
-        double end = hit ? hit->distanceMetres : 1e9;
-        SightChance chance(line, plan.seen, std::asin(d.y));
-        double passed = 0;
-        const double k = solidAngleOf({}) / 8192;
-        for (auto& s : line.unseen) {
-            for (double t = s.from; t < s.to; t += 0.02) {
-                double dv = k * t * t * std::min(0.02, s.to - t), p = chance.after(passed + t - s.from);
-                if (!hit) sky += dv * p;
-                else if (t < end) before += dv, chanceBefore += dv * p;
-                else { beyond += dv, chanceBeyond += dv * p;
-                  if (s.from > end + 0.05) bandLoss[0] += dv * p; // began behind the surface: leaked
-                  else if (s.from > end - 0.05) bandLoss[1] += dv * p; // began at it
-                  else bandLoss[2] += dv * p; }
-            }
-            passed += s.to - s.from;
-        }
-    }
-    std::printf("%s: before the true hit %.2f (expected %.2f), beyond %.2f (expected %.2f: leaked behind %.2f at %.2f through %.2f), sky %.2f; foretold %.2f\n", name, before, chanceBefore, beyond, chanceBeyond, bandLoss[0], bandLoss[1], bandLoss[2], sky, plan.scans[0].revealsCubicMetres);
     }
 }
 
