@@ -18,9 +18,9 @@ namespace app {
 
 namespace {
 
-constexpr int kLongSide = 1100, kMargin = 40, kFoot = 96, kLeastWidth = 860; // pixels
+constexpr int kLongSide = 1100, kMargin = 40, kFoot = 62, kLeastWidth = 860; // pixels
 constexpr int kHeights = 28;
-constexpr double kFromMetres = 0.15, kToMetres = 2.0; ///< above the floor: what a person would walk through
+constexpr double kFromMetres = 0.3, kToMetres = 2.0; ///< above the floor: what a person would walk through
 const cv::Scalar kInk(50, 42, 38), kPaper(255, 255, 255), kBefore(150, 84, 24), kNext(40, 40, 205);
 const cv::Vec3d kEmptyColour(236, 244, 247), kSurfaceColour(60, 52, 46), kUnseenColour(104, 172, 246);
 
@@ -83,9 +83,9 @@ void shadeGround(cv::Mat3b& picture, const Sheet& sheet, const scene::Scene& sce
             const double surface = std::min(1.0, 3.0 * count[1] / kHeights);
             const cv::Vec3d ground = kEmptyColour + (kUnseenColour - kEmptyColour) * std::pow(unseen, 0.7);
             const cv::Vec3d colour = ground + (kSurfaceColour - ground) * surface;
-            picture(kMargin + row, sheet.left + column) = cv::Vec3b(
-                cv::saturate_cast<uchar>(colour[0]), cv::saturate_cast<uchar>(colour[1]),
-                cv::saturate_cast<uchar>(colour[2]));
+            picture(kMargin + row, sheet.left + column) =
+                cv::Vec3b(cv::saturate_cast<uchar>(colour[0]), cv::saturate_cast<uchar>(colour[1]),
+                          cv::saturate_cast<uchar>(colour[2]));
         }
     });
 }
@@ -167,9 +167,10 @@ void drawProposals(cv::Mat3b& picture, const Sheet& sheet, const scene::NextScan
         const double size = number.size() == 1 ? 0.65 : 0.5;
         int baseline = 0;
         const cv::Size box = cv::getTextSize(number, cv::FONT_HERSHEY_SIMPLEX, size, 2, &baseline);
-        write(picture, number,
-              {static_cast<int>(std::lround(at.x)) - box.width / 2, static_cast<int>(std::lround(at.y)) + box.height / 2},
-              size, kPaper, 2);
+        write(
+            picture, number,
+            {static_cast<int>(std::lround(at.x)) - box.width / 2, static_cast<int>(std::lround(at.y)) + box.height / 2},
+            size, kPaper, 2);
         char share[32];
         std::snprintf(share, sizeof share, "+%.1f %%", 100 * plan.scans[i].revealsShare);
         const cv::Size label = cv::getTextSize(share, cv::FONT_HERSHEY_SIMPLEX, 0.5, 1, &baseline);
@@ -205,7 +206,8 @@ std::vector<std::byte> drawPlan(const scene::Scene& scene, const scene::NextScan
     }
     std::vector<std::uint8_t> bytes;
     if (!cv::imencode(".png", picture, bytes))
-        throw scene::Failure("cannot be encoded", std::string("the picture of the plan"), "tell us: it should not happen");
+        throw scene::Failure("cannot be encoded", std::string("the picture of the plan"),
+                             "tell us: it should not happen");
     const auto encoded = std::as_bytes(std::span(bytes));
     return {encoded.begin(), encoded.end()};
 }

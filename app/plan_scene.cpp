@@ -37,8 +37,9 @@ void say(const scene::NextScanPlan& plan, const PlanOptions& options) {
                     "that was seen empty\n",
                     options.next.clearanceMetres);
     else if (plan.scans.empty())
-        std::printf("nothing is left to reveal: no place would show %.1f %% of the %.1f m3 that nobody has seen\n",
-                    100 * options.next.leastShare, plan.unseenCubicMetres);
+        std::printf(
+            "nothing is left to reveal: no place would show a worthwhile part of the %.1f m3 that nobody has seen\n",
+            plan.unseenCubicMetres);
     int number = 0;
     for (const scene::NextScan& scan : plan.scans) {
         const glm::dvec3 &world = scan.positionInWorld, &walk = scan.positionInWalk;
@@ -47,7 +48,7 @@ void say(const scene::NextScanPlan& plan, const PlanOptions& options) {
                     100 * scan.revealsShare);
     }
     if (!plan.scans.empty() && plan.scans.size() < static_cast<std::size_t>(options.next.count))
-        std::printf("  no further place would show another %.1f %%\n", 100 * options.next.leastShare);
+        std::printf("  no further place would show a worthwhile part more\n");
 }
 
 } // namespace
@@ -65,8 +66,7 @@ void planScene(const PlanOptions& options) {
         throw scene::Failure("does not say what was never observed", options.scene,
                              "build it again with 'revisit build --coverage'");
     const std::vector<glm::dvec3> stood = placesOf(scene);
-    const scene::NextScanPlan plan =
-        scene::planNextScans(*scene.coverage, scene.walkFromWorld, stood, options.next);
+    const scene::NextScanPlan plan = scene::planNextScans(*scene.coverage, scene.walkFromWorld, stood, options.next);
 
     nlohmann::json positions = nlohmann::json::array(), before = nlohmann::json::array();
     for (const scene::NextScan& scan : plan.scans)

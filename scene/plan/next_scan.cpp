@@ -13,10 +13,10 @@ namespace scene {
 
 namespace {
 
-constexpr std::size_t kRays = 2048;       ///< from a candidate
-constexpr std::size_t kDenseRays = 16384; ///< from one that was chosen: they say what is seen of each voxel
+constexpr std::size_t kRays = 2048;        ///< from a candidate
+constexpr std::size_t kDenseRays = 8192;   ///< from one that was chosen: they say what is seen of each voxel
 constexpr double kNeighbourRadians = 0.25; ///< rays no farther apart may look at the same surface
-constexpr double kVoxels = 8192;        ///< of unseen space
+constexpr double kVoxels = 4096;           ///< of unseen space
 constexpr double kLeastVoxelMetres = 0.05;
 constexpr std::size_t kBatch = 16; ///< candidates that are looked from again at a time
 
@@ -62,8 +62,7 @@ class UnseenVoxels {
 /// Directions in the axes of the bounds, and which are beside which.
 struct Rays {
     Rays(std::size_t count, const ScanRays& rays)
-        : directions(spreadRays(count, rays)),
-          neighbours(neighboursOf(directions, kNeighbourRadians)) {}
+        : directions(spreadRays(count, rays)), neighbours(neighboursOf(directions, kNeighbourRadians)) {}
     std::vector<glm::dvec3> directions;
     std::vector<std::vector<std::uint32_t>> neighbours;
 };
@@ -78,8 +77,8 @@ struct Place {
 /// Walks the unseen parts of the rays about a place, in steps no longer than a voxel: visit(voxel, cubic metres, chance
 /// that a scan sees them).
 template <class Visit>
-void lookRound(const Place& place, const glm::dvec3& from, const Rays& rays,
-               const UnseenVoxels& voxels, Visit&& visit) {
+void lookRound(const Place& place, const glm::dvec3& from, const Rays& rays, const UnseenVoxels& voxels,
+               Visit&& visit) {
     const glm::dmat3 worldFromBounds = inverse(place.bounds.boundsFromWorld).rotation;
     const glm::dvec3 origin = place.bounds.boundsFromWorld * from;
     const std::vector<glm::dvec3>& directions = rays.directions;
@@ -109,8 +108,7 @@ void lookRound(const Place& place, const glm::dvec3& from, const Rays& rays,
 }
 
 /// Cubic metres that a scan from there is expected to see beyond what the chosen ones see.
-double gainOf(const Place& place, const glm::dvec3& from, const Rays& rays,
-              const UnseenVoxels& voxels) {
+double gainOf(const Place& place, const glm::dvec3& from, const Rays& rays, const UnseenVoxels& voxels) {
     double gain = 0;
     lookRound(place, from, rays, voxels, [&](std::size_t voxel, double cubicMetres, double chance) {
         gain += cubicMetres * std::max(0.0, chance - voxels.taken(voxel));
@@ -131,14 +129,17 @@ std::vector<double> chancesOf(const Place& place, const glm::dvec3& from, const 
 }
 
 /// The floor under a place in walk space, looked for from the tripod's height down; nothing where it was not seen.
-std::optional<double> floorUnder(const Coverage& coverage, const Pose& walkFromWorld,
-                                 const glm::dvec3& fromInWalk, const NextScanOptions& options) {
+std::optional<double> floorUnder(const Coverage& coverage, const Pose& walkFromWorld, const glm::dvec3& fromInWalk,
+                                 const NextScanOptions& options) {
     SightLine line;
     const Pose worldFromWalk = inverse(walkFromWorld);
     follow(coverage, wholeCube(coverage), worldFromWalk * fromInWalk, worldFromWalk.rotation * glm::dvec3(0, -1, 0),
            fromInWalk.y + options.floorToleranceMetres, line);
     if (!line.endsAtSurface || !line.unseen.empty()) return std::nullopt;
     const double floor = fromInWalk.y - line.endMetres;
+    // The cell's upper face; the floor is somewhere in the cell, and walk's own floor is known better.
+    const auto cell = cellAt(coverage, worldFromWalk * glm::dvec3(fromInWalk.x, floor - 1e-6, fromInWalk.z));
+    if (floor >= 0 && cell && floor <= cell->edgeMetres) return 0;
     return std::abs(floor) <= options.floorToleranceMetres ? std::optional(floor) : std::nullopt;
 }
 
@@ -147,8 +148,7 @@ bool isClear(const Coverage& coverage, const Pose& worldFromWalk, const glm::dve
              const NextScanOptions& options) {
     constexpr int kRings = 3, kSpokes = 12;
     constexpr double kStepMetres = 0.1;
-    const int levels =
-        1 + static_cast<int>(std::ceil((options.clearToMetres - options.clearFromMetres) / kStepMetres));
+    const int levels = 1 + static_cast<int>(std::ceil((options.clearToMetres - options.clearFromMetres) / kStepMetres));
     for (int level = 0; level < levels; ++level) {
         const double y = std::min(options.clearFromMetres + level * kStepMetres, options.clearToMetres);
         for (int k = 0; k <= kRings * kSpokes; ++k) {
@@ -174,10 +174,9 @@ std::vector<glm::dvec3> findStandingPlaces(const Coverage& coverage, const Pose&
         std::vector<std::vector<glm::dvec3>> found(rows);
         tbb::parallel_for(std::size_t{0}, rows, [&](std::size_t row) {
             for (std::size_t column = 0; column < columns; ++column) {
-                const glm::dvec3 ground((static_cast<double>(column) + 0.5) / static_cast<double>(columns) *
-                                            bounds.size.x,
-                                        0, (static_cast<double>(row) + 0.5) / static_cast<double>(rows) *
-                                               bounds.size.z);
+                const glm::dvec3 ground(
+                    (static_cast<double>(column) + 0.5) / static_cast<double>(columns) * bounds.size.x, 0,
+                    (static_cast<double>(row) + 0.5) / static_cast<double>(rows) * bounds.size.z);
                 glm::dvec3 at = walkFromWorld * (worldFromBounds * ground);
                 at.y = options.tripodMetres;
                 const std::optional<double> floor = floorUnder(coverage, walkFromWorld, at, options);
@@ -200,7 +199,7 @@ std::vector<glm::dvec3> findStandingPlaces(const Coverage& coverage, const Pose&
 }
 
 NextScanPlan planNextScans(const Coverage& coverage, const Pose& walkFromWorld, std::span<const glm::dvec3> stood,
-                           const NextScanOptions& options, const std::function<void(std::size_t)>& told) {
+                           const NextScanOptions& options) {
     NextScanPlan plan;
     plan.bounds = findUprightBounds(coverage, walkFromWorld);
     if (plan.bounds.isEmpty()) return plan;
@@ -238,11 +237,12 @@ NextScanPlan planNextScans(const Coverage& coverage, const Pose& walkFromWorld, 
         }
         const glm::dvec3& best = places[candidates.front().place];
         const double gain = gainOf(place, best, dense, voxels); // the best of many looks is one that erred upwards
-        if (gain < options.leastShare * plan.unseenCubicMetres) break;
+        if (gain < options.leastShare * plan.unseenCubicMetres ||
+            gain < options.leastShareOfBox * plan.bounds.cubicMetres())
+            break;
         plan.scans.push_back({best, walkFromWorld * best, gain, std::min(1.0, gain / plan.unseenCubicMetres)});
         voxels.take(chancesOf(place, best, dense, voxels));
         candidates.erase(candidates.begin());
-        if (told) told(plan.scans.size());
     }
     return plan;
 }

@@ -19,7 +19,6 @@
 #include "scene/plan/upright_bounds.h"
 #include "scene/pose.h"
 
-#include <functional>
 #include <span>
 #include <vector>
 
@@ -35,7 +34,8 @@ struct NextScanOptions {
     double clearanceMetres = 0.3;                      ///< about the tripod
     double clearFromMetres = 0.3, clearToMetres = 1.8; ///< above the floor
     double floorToleranceMetres = 0.5;                 ///< a floor may lie so far above or below walk's Y = 0
-    double leastShare = 0.005; ///< of all that is unseen; what would see less is not proposed
+    double leastShare = 0.005;                         ///< of all that is unseen; what would see less is not proposed
+    double leastShareOfBox = 0.0015; ///< of the whole box: slivers along surfaces are unseen in every scene
     ScanRays rays;
 };
 
@@ -57,9 +57,9 @@ struct NextScanPlan {
 std::vector<glm::dvec3> findStandingPlaces(const Coverage& coverage, const Pose& walkFromWorld,
                                            const UprightBounds& bounds, const NextScanOptions& options);
 
-/// stood: where scanners or cameras stood, world. advance is called for each candidate that was looked from. A function
-/// of its arguments alone, on any number of threads.
+/// stood: where scanners or cameras stood, world. A function of its arguments alone, on any number of
+/// threads.
 NextScanPlan planNextScans(const Coverage& coverage, const Pose& walkFromWorld, std::span<const glm::dvec3> stood,
-                           const NextScanOptions& options = {}, const std::function<void(std::size_t)>& told = {});
+                           const NextScanOptions& options = {});
 
 } // namespace scene

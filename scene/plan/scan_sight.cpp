@@ -55,11 +55,11 @@ void follow(const Coverage& coverage, const UprightBounds& bounds, const glm::dv
             const glm::dvec3& direction, double farthestMetres, SightLine& line) {
     line.unseen.clear();
     line.endsAtSurface = false;
-    const double end = std::min({farthestMetres,
-                                 exitOf(glm::dvec3(0), bounds.size, bounds.boundsFromWorld * origin,
-                                        bounds.boundsFromWorld.rotation * direction),
-                                 exitOf(coverage.cornerInWorld, coverage.cornerInWorld + coverage.edgeMetres, origin,
-                                        direction)});
+    const double end =
+        std::min({farthestMetres,
+                  exitOf(glm::dvec3(0), bounds.size, bounds.boundsFromWorld * origin,
+                         bounds.boundsFromWorld.rotation * direction),
+                  exitOf(coverage.cornerInWorld, coverage.cornerInWorld + coverage.edgeMetres, origin, direction)});
     line.endMetres = std::max(end, 0.0);
     const double ahead = 1e-7 * coverage.edgeMetres; // into the next cell
     double t = 0;
@@ -141,7 +141,8 @@ std::vector<std::vector<std::uint32_t>> neighboursOf(const std::vector<glm::dvec
     tbb::parallel_for(std::size_t{0}, directions.size(), [&](std::size_t i) {
         std::vector<std::pair<double, std::uint32_t>> away;
         for (std::size_t j = 0; j < directions.size(); ++j)
-            if (j != i && std::abs(directions[i].y - directions[j].y) < mostRadians) away.emplace_back(-glm::dot(directions[i], directions[j]), static_cast<std::uint32_t>(j));
+            if (j != i && std::abs(directions[i].y - directions[j].y) < mostRadians)
+                away.emplace_back(-glm::dot(directions[i], directions[j]), static_cast<std::uint32_t>(j));
         const double least = -std::cos(mostRadians);
         const auto end = std::partition(away.begin(), away.end(), [&](const auto& a) { return a.first <= least; });
         std::sort(away.begin(), end);

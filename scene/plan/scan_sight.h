@@ -38,8 +38,8 @@ inline constexpr std::size_t kElevationBands = 18; ///< of ten degrees, from str
 
 /// How rays end where it is known.
 struct SeenPlace {
-    double freePathMetres = 0;                   ///< infinite: nothing stands inside the bounds
-    std::array<double, kElevationBands> echo{};  ///< share of rays, by elevation
+    double freePathMetres = 0;                  ///< infinite: nothing stands inside the bounds
+    std::array<double, kElevationBands> echo{}; ///< share of rays, by elevation
 };
 
 /// From rays about places where scanners (or cameras) stood, world. Parallel; the same on any number of threads.

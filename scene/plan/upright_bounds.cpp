@@ -16,11 +16,11 @@ namespace scene {
 
 namespace {
 
-constexpr int kDirections = 90;           ///< of walls that are tried, a degree apart
-constexpr int kBins = 2048;               ///< along each axis, over twice the cube's edge
-constexpr double kFarShare = 0.01;        ///< of what was seen empty, at each end of an axis, may lie outside,
-constexpr double kThinShare = 0.25;       ///< unless it goes on as wide as this share of the mean
-constexpr double kThinnestShare = 0.02;   ///< the same, to tell how the box lies: corners of a crooked one are thin
+constexpr int kDirections = 90;         ///< of walls that are tried, a degree apart
+constexpr int kBins = 2048;             ///< along each axis, over twice the cube's edge
+constexpr double kFarShare = 0.01;      ///< of what was seen empty, at each end of an axis, may lie outside,
+constexpr double kThinShare = 0.25;     ///< unless it goes on as wide as this share of the mean
+constexpr double kThinnestShare = 0.02; ///< the same, to tell how the box lies: corners of a crooked one are thin
 constexpr double kGridPoints = 1 << 20;
 
 /// Each cell that was seen empty: its centre in the world and its edge.
