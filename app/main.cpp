@@ -3,6 +3,7 @@
 #include "app/build_scene.h"
 #include "app/info.h"
 #include "app/measure_scene.h"
+#include "app/plan_scene.h"
 #include "app/render_scene.h"
 #include "app/sizes.h"
 #include "app/version.h"
@@ -272,6 +273,25 @@ void addMeasure(CLI::App& program, app::MeasureOptions& options, std::string& si
         "  revisit measure room.revisit --out figures --quality best --sweep resolution_scale");
 }
 
+void addPlan(CLI::App& program, app::PlanOptions& options, int& threads) {
+    CLI::App* plan = program.add_subcommand(
+        "plan", "Say where the next scans should stand to show most of what nobody has seen yet.");
+    plan->add_option("SCENE", options.scene, "folder that 'revisit build --coverage' made")->required();
+    plan->add_option("--out", options.out, "JSON file to write; a picture from above stands beside it (.png)")
+        ->required();
+    plan->add_option("--count", options.next.count, "how many scans; fewer where more would show hardly anything")
+        ->check(CLI::Range(1, 100))
+        ->capture_default_str();
+    plan->add_option("--tripod", options.next.tripodMetres, "metres of the scanner above the floor")
+        ->check(CLI::Range(0.3, 10.0))
+        ->capture_default_str();
+    addThreads(*plan, threads);
+    plan->footer("What a scan would reveal is an estimate: nobody knows what stands in space that was never seen.\n"
+                 "Examples:\n"
+                 "  revisit build scans/*.e57 -o site.revisit --coverage && revisit plan site.revisit --out plan.json\n"
+                 "  revisit plan site.revisit --out plan.json --count 5 --tripod 1.8");
+}
+
 int run(int argc, char** argv) {
     CLI::App program{"Revisit: walk back into a place that was photographed or scanned with depth."};
     program.set_version_flag("--version", std::string("revisit ") + app::kVersion + " (" + app::kCommit + ")");
@@ -284,6 +304,7 @@ int run(int argc, char** argv) {
     app::RenderOptions renderOptions;
     app::WalkOptions walkOptions;
     app::MeasureOptions measureOptions;
+    app::PlanOptions planOptions;
     std::string memory = "8G", size;
     std::filesystem::path infoScene;
     bool infoAsJson = false;
@@ -292,6 +313,7 @@ int run(int argc, char** argv) {
     addRender(program, renderOptions, size, memory, threads);
     addWalk(program, walkOptions, size, memory, threads);
     addMeasure(program, measureOptions, size, memory, threads);
+    addPlan(program, planOptions, threads);
     CLI::App* info = program.add_subcommand("info", "Say what a scene is and what was built into it.");
     info->add_option("SCENE", infoScene, "folder that 'revisit build' made")->required();
     info->add_flag("--json", infoAsJson, "as JSON, for programs");
@@ -319,6 +341,7 @@ int run(int argc, char** argv) {
     if (program.got_subcommand("render")) app::renderScene(renderOptions);
     if (program.got_subcommand("walk")) app::walkScene(walkOptions);
     if (program.got_subcommand("measure")) app::measureScene(measureOptions);
+    if (program.got_subcommand("plan")) app::planScene(planOptions);
     if (program.got_subcommand("info")) app::printInfo(infoScene, infoAsJson);
     return kDone;
 }

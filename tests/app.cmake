@@ -15,6 +15,11 @@ revisit_program_test(revisit_app_tests WHOLE LABELS programs TIMEOUT 600
 revisit_program_test(revisit_measure_tests WHOLE LABELS programs TIMEOUT 300
     SOURCES app/comparison.cpp app/measure_test.cpp app/program.cpp)
 
+# Where the next scans should stand.
+revisit_program_test(revisit_plan_program_tests LABELS programs
+    SOURCES app/plan_test.cpp app/program.cpp)
+target_link_libraries(revisit_plan_program_tests PRIVATE scene)
+
 # Captures of others, once and whole.
 revisit_program_test(revisit_captures_tests LABELS data programs TIMEOUT 600
     SOURCES app/captures_test.cpp app/comparison.cpp app/program.cpp)

@@ -1,0 +1,94 @@
+#include "app/plan_scene.h"
+
+#include "app/plan_picture.h"
+#include "app/stage_store.h"
+
+#include "scene/errors.h"
+#include "scene/scene_file.h"
+
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include <glm/geometric.hpp>
+#include <nlohmann/json.hpp>
+
+namespace app {
+
+namespace {
+
+/// Six faces of a cube are one place.
+std::vector<glm::dvec3> placesOf(const scene::Scene& scene) {
+    constexpr double kSameMetres = 0.01;
+    std::vector<glm::dvec3> places;
+    for (const scene::SceneImage& image : scene.images)
+        if (places.empty() || glm::distance(places.back(), image.worldFromCamera.translation) > kSameMetres)
+            places.push_back(image.worldFromCamera.translation);
+    return places;
+}
+
+nlohmann::json toJson(const glm::dvec3& p) {
+    return {p.x, p.y, p.z};
+}
+
+void say(const scene::NextScanPlan& plan, const PlanOptions& options) {
+    if (plan.candidates == 0)
+        std::printf("no place to stand was found: none with floor below it that was seen and %.1f m of space about it "
+                    "that was seen empty\n",
+                    options.next.clearanceMetres);
+    else if (plan.scans.empty())
+        std::printf(
+            "nothing is left to reveal: no place would show a worthwhile part of the %.1f m3 that nobody has seen\n",
+            plan.unseenCubicMetres);
+    int number = 0;
+    for (const scene::NextScan& scan : plan.scans) {
+        const glm::dvec3 &world = scan.positionInWorld, &walk = scan.positionInWalk;
+        std::printf("  %d  at %.2f %.2f %.2f (walk %.2f %.2f %.2f): should reveal %.1f m3, %.1f %% of what is unseen\n",
+                    ++number, world.x, world.y, world.z, walk.x, walk.y, walk.z, scan.revealsCubicMetres,
+                    100 * scan.revealsShare);
+    }
+    if (!plan.scans.empty() && plan.scans.size() < static_cast<std::size_t>(options.next.count))
+        std::printf("  no further place would show a worthwhile part more\n");
+}
+
+} // namespace
+
+void planScene(const PlanOptions& options) {
+    std::filesystem::path picture = options.out;
+    picture.replace_extension(".png");
+    if (!options.out.has_filename() || std::filesystem::is_directory(options.out))
+        throw scene::Failure("is a folder", options.out, "give the name of the JSON file to write, as plan.json");
+    if (picture == options.out)
+        throw scene::Failure("is the name of the picture", options.out,
+                             "give the name of the JSON file, as plan.json; the picture stands beside it");
+    const scene::Scene scene = scene::openScene(options.scene);
+    if (!scene.coverage)
+        throw scene::Failure("does not say what was never observed", options.scene,
+                             "build it again with 'revisit build --coverage'");
+    const std::vector<glm::dvec3> stood = placesOf(scene);
+    const scene::NextScanPlan plan = scene::planNextScans(*scene.coverage, scene.walkFromWorld, stood, options.next);
+
+    nlohmann::json positions = nlohmann::json::array(), before = nlohmann::json::array();
+    for (const scene::NextScan& scan : plan.scans)
+        positions.push_back({{"position", toJson(scan.positionInWorld)},
+                             {"walk", toJson(scan.positionInWalk)},
+                             {"reveals_m3", scan.revealsCubicMetres},
+                             {"reveals_share", scan.revealsShare}});
+    for (const glm::dvec3& place : stood)
+        before.push_back(toJson(place));
+    const nlohmann::json file{{"revisit", "plan"},
+                              {"scene", options.scene.string()},
+                              {"picture", picture.filename().string()},
+                              {"tripod_m", options.next.tripodMetres},
+                              {"candidates", plan.candidates},
+                              {"box_m3", plan.bounds.cubicMetres()},
+                              {"unseen_m3", plan.unseenCubicMetres},
+                              {"stood", before},
+                              {"positions", positions}};
+    writeWhole(picture, drawPlan(scene, plan, stood));
+    writeWhole(options.out, file.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+    say(plan, options);
+    std::printf("%s and %s\n", options.out.string().c_str(), picture.filename().string().c_str());
+}
+
+} // namespace app
