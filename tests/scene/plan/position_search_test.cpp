@@ -54,7 +54,7 @@ struct Site {
 Site siteOf(SyntheticScene truth, double left, double right, double front, double back, double step) {
     Site site{std::move(truth), {}, {}};
     site.places = placesIn(site.truth, left, right, front, back, step);
-    site.tests = placesIn(site.truth, left + 0.37 * step, right, front + 0.61 * step, back, 1.3 * step);
+    site.tests = placesIn(site.truth, left + 0.37 * step, right, front + 0.61 * step, back, 2.6 * step);
     return site;
 }
 
