@@ -28,7 +28,7 @@ const cv::Vec3d kEmptyColour(236, 244, 247), kSurfaceColour(60, 52, 46), kUnseen
 struct Sheet {
     scene::Pose planFromWorld; ///< x right, z down the page, y up
     glm::dvec3 size{0.0};
-    double pixelsPerMetre = 1;
+    double pixelsPerMetre = 1, border = 0; ///< metres about the bounds
     int left = kMargin;
     cv::Point2d at(const glm::dvec3& pInWorld) const {
         const glm::dvec3 p = planFromWorld * pInWorld;
@@ -61,6 +61,11 @@ Sheet layOut(const scene::Scene& scene, const scene::NextScanPlan& plan) {
         sheet.size = plan.bounds.size;
         if (quarters % 2 == 1) std::swap(sheet.size.x, sheet.size.z);
     }
+    // Walls stand just outside of what was seen empty.
+    const double border = 0.02 * std::max(sheet.size.x, sheet.size.z);
+    sheet.planFromWorld.translation += glm::dvec3(border, 0, border);
+    sheet.size += glm::dvec3(2 * border, 0, 2 * border);
+    sheet.border = border;
     sheet.pixelsPerMetre = kLongSide / std::max({sheet.size.x, sheet.size.z, 1e-3});
     return sheet;
 }
@@ -79,9 +84,14 @@ void shadeGround(cv::Mat3b& picture, const Sheet& sheet, const scene::Scene& sce
                 const glm::dvec3 p((column + 0.5) / sheet.pixelsPerMetre, y, (row + 0.5) / sheet.pixelsPerMetre);
                 ++count[static_cast<std::size_t>(observedAt(*scene.coverage, worldFromPlan * p))];
             }
-            const double unseen = count[0] / double{kHeights};
+            const double x = (column + 0.5) / sheet.pixelsPerMetre, z = (row + 0.5) / sheet.pixelsPerMetre;
+            const bool counts = x >= sheet.border && z >= sheet.border && x <= sheet.size.x - sheet.border &&
+                                z <= sheet.size.z - sheet.border;
+            const double unseen = counts ? count[0] / double{kHeights} : 0;
             const double surface = std::min(1.0, 3.0 * count[1] / kHeights);
-            const cv::Vec3d ground = kEmptyColour + (kUnseenColour - kEmptyColour) * std::pow(unseen, 0.7);
+            const cv::Vec3d ground = !counts && count[2] == 0
+                                         ? cv::Vec3d(255, 255, 255)
+                                         : kEmptyColour + (kUnseenColour - kEmptyColour) * std::pow(unseen, 0.7);
             const cv::Vec3d colour = ground + (kSurfaceColour - ground) * surface;
             picture(kMargin + row, sheet.left + column) =
                 cv::Vec3b(cv::saturate_cast<uchar>(colour[0]), cv::saturate_cast<uchar>(colour[1]),

@@ -205,9 +205,7 @@ Quality drawn(const char* warp, double resolutionScale) {
 }
 
 std::vector<Preset> makePresets() {
-    Quality best = drawn("blended", 1);
-    best.walksByCells = false;
-    return {{"fast", drawn("points", 0.7)}, {"balanced", drawn("points", 1)}, {"best", best}};
+    return {{"fast", drawn("points", 0.7)}, {"balanced", drawn("points", 1)}, {"best", drawn("blended", 1)}};
 }
 
 void requireObject(const json& object, const std::string& where) {

@@ -19,7 +19,9 @@ struct Texels {
 inline Texels texelsAt(const glm::vec2& place, int width, int height) {
     const auto wrap = [](float at, int size) {
         const float rest = std::fmod(at, static_cast<float>(size));
-        return std::min(static_cast<int>(rest < 0 ? rest + static_cast<float>(size) : rest), size - 1);
+        // Places so far out that they overflow are as good as any; NaN fails every comparison.
+        const float within = rest < 0 ? rest + static_cast<float>(size) : rest;
+        return within >= 0 && within < static_cast<float>(size) ? static_cast<int>(within) : 0;
     };
     const float x = place.x * static_cast<float>(width) - 0.5f,
                 y = (1.0f - place.y) * static_cast<float>(height) - 0.5f;

@@ -18,6 +18,7 @@ constexpr std::size_t kDenseRays = 8192;   ///< from one that was chosen: they s
 constexpr double kNeighbourRadians = 0.25; ///< rays no farther apart may look at the same surface
 constexpr double kVoxels = 4096;           ///< of unseen space
 constexpr double kLeastVoxelMetres = 0.05;
+constexpr int kMostAcross = 6;     ///< voxels that a ray speaks for, across
 constexpr std::size_t kBatch = 16; ///< candidates that are looked from again at a time
 
 /// The bounds in voxels: the chance that one of the chosen scans sees what is unseen in each.
@@ -74,8 +75,8 @@ struct Place {
     const ScanRays& rays;
 };
 
-/// Walks the unseen parts of the rays about a place, in steps no longer than a voxel: visit(voxel, cubic metres, chance
-/// that a scan sees them).
+/// Walks the unseen parts of the rays about a place, in steps no longer than a voxel: visit(place in the
+/// bounds, the ray's width there, cubic metres, chance that a scan sees them).
 template <class Visit>
 void lookRound(const Place& place, const glm::dvec3& from, const Rays& rays, const UnseenVoxels& voxels,
                Visit&& visit) {
@@ -83,6 +84,7 @@ void lookRound(const Place& place, const glm::dvec3& from, const Rays& rays, con
     const glm::dvec3 origin = place.bounds.boundsFromWorld * from;
     const std::vector<glm::dvec3>& directions = rays.directions;
     const double third = solidAngleOf(place.rays) / static_cast<double>(directions.size()) / 3;
+    const double width = std::sqrt(3 * third); // of a ray's share of the sphere
     std::vector<SightLine> lines(directions.size());
     for (std::size_t i = 0; i < lines.size(); ++i)
         follow(place.coverage, place.bounds, from, worldFromBounds * directions[i], place.rays.farthestMetres,
@@ -99,7 +101,7 @@ void lookRound(const Place& place, const glm::dvec3& from, const Rays& rays, con
             const double step = (stretch.to - stretch.from) / std::max(1, steps);
             for (int k = 0; k < steps; ++k) {
                 const double r = stretch.from + k * step, next = r + step, middle = r + 0.5 * step;
-                visit(voxels.at(origin + middle * direction), third * (next * next * next - r * r * r),
+                visit(origin + middle * direction, middle * width, third * (next * next * next - r * r * r),
                       chance.after(passed + (k + 0.5) * step));
             }
             passed += stretch.to - stretch.from;
@@ -110,18 +112,23 @@ void lookRound(const Place& place, const glm::dvec3& from, const Rays& rays, con
 /// Cubic metres that a scan from there is expected to see beyond what the chosen ones see.
 double gainOf(const Place& place, const glm::dvec3& from, const Rays& rays, const UnseenVoxels& voxels) {
     double gain = 0;
-    lookRound(place, from, rays, voxels, [&](std::size_t voxel, double cubicMetres, double chance) {
-        gain += cubicMetres * std::max(0.0, chance - voxels.taken(voxel));
+    lookRound(place, from, rays, voxels, [&](const glm::dvec3& p, double, double cubicMetres, double chance) {
+        gain += cubicMetres * std::max(0.0, chance - voxels.taken(voxels.at(p)));
     });
     return gain;
 }
 
-/// The mean chance, over what its rays pass of each voxel: they stand close enough to speak for all of it.
+/// The mean chance, over the rays that pass each voxel: far away, a ray speaks for all that it is wide.
 std::vector<double> chancesOf(const Place& place, const glm::dvec3& from, const Rays& rays,
                               const UnseenVoxels& voxels) {
     std::vector<double> seen(voxels.size(), 0.0), passed(voxels.size(), 0.0);
-    lookRound(place, from, rays, voxels, [&](std::size_t voxel, double cubicMetres, double chance) {
-        seen[voxel] += cubicMetres * chance, passed[voxel] += cubicMetres;
+    lookRound(place, from, rays, voxels, [&](const glm::dvec3& p, double width, double cubicMetres, double chance) {
+        const int n = std::min(kMostAcross, 1 + static_cast<int>(width / voxels.edge()));
+        for (int k = 0; k < n * n * n; ++k) {
+            const glm::dvec3 share = (glm::dvec3(k % n, k / n % n, k / n / n) + 0.5) / static_cast<double>(n) - 0.5;
+            const std::size_t voxel = voxels.at(p + width * share);
+            seen[voxel] += cubicMetres * chance, passed[voxel] += cubicMetres;
+        }
     });
     for (std::size_t i = 0; i < seen.size(); ++i)
         if (passed[i] > 0) seen[i] /= passed[i];

@@ -10,6 +10,9 @@
 // best one (Nemhauser, Wolsey, Fisher: "An analysis of approximations for maximizing submodular set functions", 1978),
 // and old gains bound new ones, which saves most looks (Minoux: "Accelerated greedy algorithms", 1978).
 //
+// Foretold against what simulated scans then revealed, first proposals after one scan (tests/scene/plan): 0.94 of it
+// for a hidden corner, 1.10 behind a pillar, 0.80 in a furnished room, 0.98 in a corridor. Second ones are rougher.
+//
 // Limits. What stands in unseen space is guessed from how crowded the seen part is; a closed door that was never seen
 // looks like open space. Rooms beyond the box about what was seen do not count. Whether one can get to a candidate is
 // not asked: seen through a window, the other side of a street is a place like any other.

@@ -56,6 +56,7 @@ UnknownCount UnknownSpace::countAt(const glm::dvec3& place, std::span<const std:
     UnknownCount count;
     WarpOptions options;
     options.maxFootprint = kFootprint;
+    options.preference.nearBaseline = 0; // keys are then disparities
     const int size = options_.faceSize;
     const float behind = static_cast<float>(1 - options_.samplesNearer);
     const auto tooNear = static_cast<float>(1 / options_.nearMetres);

@@ -16,10 +16,14 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <optional>
 #include <unordered_set>
 #include <utility>
 
+#include <Eigen/Eigenvalues>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
 
 namespace scene {
 
@@ -37,6 +41,10 @@ constexpr std::uint32_t kNone = WalkCell::kNoCell;
 /// send the search to and fro.
 constexpr double kOnFace = 1e-12;
 
+/// Positions that lie in a plane or a line but for this share of the least distance between them are taken to lie in
+/// it: floors and tripods are never exact, and cells as thin as a hair would have corners at opposite ends of a scene.
+constexpr double kFlatShare = 0.05;
+
 /// The corners of the face opposite to each corner of a tetrahedron that CGAL calls positive, so that their normal
 /// points outward.
 constexpr std::array<std::array<std::size_t, 3>, 4> kFaces{{{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}}};
@@ -51,15 +59,74 @@ std::vector<std::size_t> spatialOrder(const std::vector<Kernel::Point_3>& points
     return order;
 }
 
+/// Axes of what positions spread along, most first.
+struct Frame {
+    glm::dmat3 axes{1.0};
+    glm::dvec3 middle{0};
+    int dimension = 3; ///< that are kept
+    glm::dvec3 into(const glm::dvec3& p) const {
+        glm::dvec3 at = glm::transpose(axes) * (p - middle);
+        for (int i = dimension; i < 3; ++i)
+            at[i] = 0;
+        return at;
+    }
+    glm::dvec3 outOf(const glm::dvec3& at) const { return middle + axes * at; }
+};
+
+/// The plane or line that all positions lie in but for a little (kFlatShare); nothing if they do not, or exactly.
+std::optional<Frame> flatFrameOf(std::span<const glm::dvec3> positions, std::span<const double> spacing,
+                                 int dimension) {
+    if (dimension < 2) return std::nullopt;
+    Frame frame;
+    for (const glm::dvec3& p : positions)
+        frame.middle += p / static_cast<double>(positions.size());
+    Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+    for (const glm::dvec3& p : positions) {
+        const Eigen::Vector3d d(p.x - frame.middle.x, p.y - frame.middle.y, p.z - frame.middle.z);
+        spread += d * d.transpose();
+    }
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(spread);
+    for (int i = 0; i < 3; ++i) {
+        const Eigen::Vector3d axis = solver.eigenvectors().col(2 - i);
+        frame.axes[i] = {axis.x(), axis.y(), axis.z()};
+    }
+    const double most = kFlatShare * *std::min_element(spacing.begin(), spacing.end());
+    glm::dvec3 reach(0);
+    for (const glm::dvec3& p : positions)
+        reach = glm::max(reach, glm::abs(glm::transpose(frame.axes) * (p - frame.middle)));
+    frame.dimension = reach.y <= most ? 1 : reach.z <= most ? 2 : 3;
+    if (frame.dimension >= dimension) return std::nullopt;
+    return frame;
+}
+
 } // namespace
 
 WalkCells::WalkCells(std::span<const glm::dvec3> positions) {
     if (positions.empty()) return;
-    std::vector<Kernel::Point_3> points;
+    origin_ = positions[0];
+    std::vector<glm::dvec3> local;
     for (const glm::dvec3& p : positions) {
         assert(std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z));
-        points.emplace_back(p.x, p.y, p.z);
+        local.push_back(p - origin_);
     }
+    triangulate(positions, positions, local);
+    if (const std::optional<Frame> frame = flatFrameOf(local_, spacing_, dimension_)) {
+        std::vector<glm::dvec3> flat;
+        for (glm::dvec3& p : local) {
+            flat.push_back(frame->into(p));
+            p = frame->outOf(flat.back());
+        }
+        triangulate(positions, flat, local);
+    }
+    findOutward();
+}
+
+void WalkCells::triangulate(std::span<const glm::dvec3> positions, std::span<const glm::dvec3> exact,
+                            std::span<const glm::dvec3> local) {
+    corners_.clear(), cells_.clear(), local_.clear();
+    std::vector<Kernel::Point_3> points;
+    for (const glm::dvec3& p : exact)
+        points.emplace_back(p.x, p.y, p.z);
     Delaunay delaunay;
     Delaunay::Vertex_handle last;
     std::vector<std::uint32_t> cornerOf(positions.size());
@@ -69,6 +136,7 @@ WalkCells::WalkCells(std::span<const glm::dvec3> positions) {
         if (delaunay.number_of_vertices() > before) {
             last->info() = static_cast<std::uint32_t>(corners_.size());
             corners_.push_back(positions[i]);
+            local_.push_back(local[i]);
         }
         cornerOf[i] = last->info();
     }
@@ -84,9 +152,6 @@ WalkCells::WalkCells(std::span<const glm::dvec3> positions) {
     for (std::uint32_t i = 0; i < positions.size(); ++i)
         positionsOf_[next[cornerOf[i]]++] = i;
 
-    origin_ = corners_[0];
-    for (const glm::dvec3& corner : corners_)
-        local_.push_back(corner - origin_);
     spacing_.assign(corners_.size(), std::numeric_limits<double>::infinity());
 
     const int faces = dimension_ + 1;
@@ -116,7 +181,6 @@ WalkCells::WalkCells(std::span<const glm::dvec3> positions) {
                 const double distance = glm::length(local_[a] - local_[b]);
                 spacing_[a] = std::min(spacing_[a], distance), spacing_[b] = std::min(spacing_[b], distance);
             }
-    findOutward();
 }
 
 void WalkCells::findOutward() {
@@ -153,12 +217,12 @@ void WalkCells::findOutward() {
         }
 }
 
-double WalkCells::distanceTo(const WalkCell& cell, const glm::dvec3& p) const {
+glm::dvec3 WalkCells::nearestIn(const WalkCell& cell, const glm::dvec3& p) const {
     std::array<glm::dvec3, 4> corners{};
     const std::size_t count = static_cast<std::size_t>(dimension_) + 1;
     for (std::size_t i = 0; i < count; ++i)
         corners[i] = local_[cell.corners[i]];
-    return glm::length(nearestInSimplex(std::span(corners).first(count), p) - p);
+    return nearestInSimplex(std::span(corners).first(count), p);
 }
 
 WalkCells::Place WalkCells::nearestOnHull(const glm::dvec3& p) const {
@@ -208,7 +272,8 @@ WalkCells::Place WalkCells::placeOf(const glm::dvec3& pInWorld, std::uint32_t fr
     Place nearest{0, p};
     double least = std::numeric_limits<double>::infinity();
     for (std::uint32_t i = 0; i < cells_.size(); ++i)
-        if (const double distance = distanceTo(cells_[i], p); distance < least) least = distance, nearest.cell = i;
+        if (const glm::dvec3 place = nearestIn(cells_[i], p); glm::length(place - p) < least)
+            least = glm::length(place - p), nearest = {i, place};
     return nearest;
 }
 
@@ -242,7 +307,7 @@ void WalkCells::sharesAt(const glm::dvec3& p, std::uint32_t& cell, std::vector<P
     std::unordered_set<std::uint32_t> known{cell};
     for (std::size_t next = 0; next < found.size(); ++next) {
         const WalkCell& at = cells_[found[next]];
-        const double distance = next == 0 ? 0 : distanceTo(at, place.at);
+        const double distance = next == 0 ? 0 : glm::length(nearestIn(at, place.at) - place.at);
         if (distance >= reach) continue;
         for (std::uint32_t i = 0; i < faces; ++i) {
             add(at.corners[i], next == 0 ? 1.0f : static_cast<float>(1 - distance / reach));

@@ -44,7 +44,8 @@ class WalkCells {
   public:
     WalkCells() = default;
     /// positions in the world, metres, finite; any number of them, however they lie; equal ones are drawn together.
-    /// Exact predicates decide what lies in a plane or a line.
+    /// What lies in a plane or a line but for a twentieth of the least distance between positions is taken to lie in
+    /// it; within, exact predicates decide.
     explicit WalkCells(std::span<const glm::dvec3> positions);
 
     int dimension() const { return dimension_; } ///< of the cells, 0 to 3; -1 without positions
@@ -68,7 +69,10 @@ class WalkCells {
     };
     Place placeOf(const glm::dvec3& p, std::uint32_t from) const;
     Place nearestOnHull(const glm::dvec3& p) const;
-    double distanceTo(const WalkCell& cell, const glm::dvec3& p) const;
+    /// exact: what the predicates decide about. local: the same about origin_.
+    void triangulate(std::span<const glm::dvec3> positions, std::span<const glm::dvec3> exact,
+                     std::span<const glm::dvec3> local);
+    glm::dvec3 nearestIn(const WalkCell& cell, const glm::dvec3& p) const;
     double reachFrom(const glm::dvec3& at) const;
     void findOutward();
 

@@ -166,6 +166,41 @@ TEST(WalkCells, AreWhatTheRuleSaysHoweverPositionsLie) {
     }
 }
 
+TEST(WalkCells, PositionsThatAreNearlyFlatHaveFlatCells) {
+    for (const double uneven : {5e-7, 0.02}) {
+        RandomPlaces places(17);
+        Positions tripods, line;
+        for (int x = 0; x < 4; ++x)
+            for (int y = 0; y < 4; ++y)
+                tripods.push_back({3 * x + places.between(-0.8, 0.8), 3 * y + places.between(-0.8, 0.8),
+                                   1.6 + places.between(-uneven, uneven)});
+        for (int i = 0; i < 10; ++i)
+            line.push_back({2.0 * i, places.between(-uneven, uneven), 1.6 + places.between(-uneven, uneven)});
+        const WalkCells cells(tripods), along(line);
+        EXPECT_EQ(cells.dimension(), 2) << uneven;
+        EXPECT_EQ(along.dimension(), 1) << uneven;
+        for (const glm::dvec3& corner : cells.corners())
+            EXPECT_EQ(std::count(tripods.begin(), tripods.end(), corner), 1) << "shown where they are";
+        std::uint32_t cell = 0;
+        double whole = 0;
+        constexpr int kPlaces = 500;
+        for (int i = 0; i < kPlaces; ++i) {
+            const glm::dvec3 p(places.between(1, 8), places.between(1, 8), places.between(1, 2.2));
+            const std::vector<double> shares = sharesByPosition(cells, tripods.size(), p, cell);
+            whole += static_cast<double>(std::count(shares.begin(), shares.end(), 1.0));
+            for (std::size_t k = 0; k < shares.size(); ++k)
+                if (shares[k] > 0) {
+                    EXPECT_LE(glm::length(tripods[k] - p), 7) << "at the other end of the place";
+                }
+        }
+        EXPECT_LE(whole / kPlaces, 3.01);
+        for (std::size_t i = 0; i < tripods.size(); ++i)
+            EXPECT_NEAR(sharesByPosition(cells, tripods.size(), tripods[i], cell)[i], 1.0, 1e-6);
+    }
+    // What is a storey higher is not flat.
+    EXPECT_EQ(WalkCells(Positions{{0, 0, 0}, {3, 0, 0}, {0, 3, 0}, {3, 3, 0.6}}).dimension(), 3);
+}
+
 TEST(WalkCells, AtAPositionItsImagesAreWhole) {
     for (const Lying& way : allWays()) {
         SCOPED_TRACE(way.name);
@@ -259,24 +294,6 @@ TEST(WalkCells, SharesNeverJumpAlongAnyPath) {
     EXPECT_GT(worst, 0.3) << "nothing was crossed";
 }
 
-/// The paper's rule: the four corners, and of each neighbouring cell its other corner with
-/// alpha = min over the other faces of di / (d0 + di).
-double alphaOfThePaper(const WalkCells& cells, std::uint32_t at, std::size_t face, const glm::dvec3& p) {
-    const auto corners = cornersOf(cells, cells.cells()[at]);
-    std::array<double, 4> distances{};
-    for (std::size_t i = 0; i < 4; ++i) {
-        std::array<glm::dvec3, 3> on{};
-        for (std::size_t k = 0, n = 0; k < 4; ++k)
-            if (k != i) on[n++] = corners[k];
-        distances[i] = std::abs(glm::dot(glm::normalize(glm::cross(on[1] - on[0], on[2] - on[0])), p - on[0]));
-    }
-    double alpha = 1;
-    for (std::size_t i = 0; i < 4; ++i)
-        if (i != face && distances[face] + distances[i] > 0)
-            alpha = std::min(alpha, distances[i] / (distances[face] + distances[i]));
-    return alpha;
-}
-
 TEST(WalkCells, ThePapersRuleJumpsWhereAPathCrossesAnEdgeAndThisOneDoesNot) {
     // Six cells about one edge from (0, 0, -1) to (0, 0, 1): right across it lies a cell that shares the edge alone.
     Positions positions{{0, 0, -1}, {0, 0, 1}};
@@ -286,7 +303,7 @@ TEST(WalkCells, ThePapersRuleJumpsWhereAPathCrossesAnEdgeAndThisOneDoesNot) {
     const glm::dvec3 before{0.001, 0.0005, 0.02}, after = glm::dvec3(0, 0, 0.04) - before;
     const std::uint32_t cell = cells.locate(before), beyond = cells.locate(after);
     // A corner of the cell beyond that neither the cell nor a neighbour of it has.
-    std::uint32_t unknown = 0;
+    std::uint32_t unknown = WalkCell::kNoCell;
     for (const std::uint32_t corner : cells.cells()[beyond].corners) {
         bool isKnown = false;
         const WalkCell& own = cells.cells()[cell];
@@ -295,11 +312,11 @@ TEST(WalkCells, ThePapersRuleJumpsWhereAPathCrossesAnEdgeAndThisOneDoesNot) {
             if (own.neighbours[i] == WalkCell::kNoCell) continue;
             const WalkCell& next = cells.cells()[own.neighbours[i]];
             isKnown = isKnown || std::count(std::begin(next.corners), std::end(next.corners), corner) > 0;
-            EXPECT_GE(alphaOfThePaper(cells, cell, i, before), 0);
         }
         if (!isKnown) unknown = corner;
     }
-    ASSERT_NE(unknown, 0u) << "the paper draws nothing of it before the edge, and all of it right after";
+    ASSERT_NE(unknown, WalkCell::kNoCell) << "the paper, which draws a cell's corners and those of its neighbours, "
+                                             "draws nothing of it before the edge, and all of it right after";
     std::uint32_t from = 0;
     std::vector<PositionShare> shares;
     cells.sharesAt(before, from, shares);
