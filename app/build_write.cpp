@@ -79,7 +79,8 @@ json explain(const scene::Capture& capture, const ImportedImages& imported, cons
         char share[32];
         std::snprintf(share, sizeof share, "%.2f %%", 100 * imported.polygons.unknownShares.back());
         reasons.push_back("positions were searched for, in " + std::to_string(imported.polygons.looks) +
-                          " looks: of what is seen where one can stand, " + share + " is unknown to their images");
+                          " looks: of what is seen where one can stand, " + share +
+                          " is unknown to the images of the walk cell there");
     }
     if (!o.fuse) reasons.push_back("no fusion: samples stay as captured, as asked");
     return reasons;

@@ -31,8 +31,10 @@ ReferencePositions referencePositionsOf(std::span<const scene::SceneImage> image
 Selection::Selection(const scene::Scene& scene) {
     if (!scene.hasWholeImages) return;
     reference_ = referencePositionsOf(scene.images);
-    if (static_cast<double>(scene.images.size()) < kImagesPerPosition * static_cast<double>(reference_.places.size()))
-        return;
+    std::vector<std::size_t> counts(reference_.places.size(), 0);
+    for (const std::uint32_t position : reference_.positionOf)
+        ++counts[position];
+    if (counts.empty() || *std::min_element(counts.begin(), counts.end()) < kImagesPerPosition) return;
     cells_ = scene::WalkCells(reference_.places);
 }
 

@@ -27,8 +27,8 @@ struct ReferencePositions {
 };
 ReferencePositions referencePositionsOf(std::span<const scene::SceneImage> images);
 
-/// Fewer images at a position on average do not look all round.
-inline constexpr double kImagesPerPosition = 4;
+/// Fewer images do not look all round from a position; one such among the others, and all images are drawn.
+inline constexpr std::size_t kImagesPerPosition = 4;
 
 class Selection {
   public:

@@ -56,6 +56,10 @@ TEST(Selection, ThereAreCellsWhereWholeImagesWereTakenAllRound) {
     EXPECT_FALSE(Selection(sceneOf(alongAStreet(), 6, false)).hasCells()) << "a surface may stand in one image alone";
     EXPECT_FALSE(Selection(sceneOf(alongAStreet(), 1)).hasCells()) << "photographs";
     EXPECT_FALSE(Selection(sceneOf({}, 0)).hasCells());
+    scene::Scene mixed = sceneOf(alongAStreet(), 6);
+    mixed.images.push_back(mixed.images.back());
+    mixed.images.back().worldFromCamera.translation.z -= 1;
+    EXPECT_FALSE(Selection(mixed).hasCells()) << "about a lone photograph a cell would show too little";
 }
 
 TEST(Selection, ImagesFromOnePlaceAreOnePosition) {
