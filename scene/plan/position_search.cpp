@@ -60,6 +60,7 @@ class Search {
     std::optional<std::size_t> next() {
         evaluations_ = 0;
         const bool isClimbing = options_.search == CellSearch::climbing;
+        const bool mayPassOver = options_.search != CellSearch::genetic;
         std::vector<const Cell*> order;
         for (const Cell& cell : members_)
             order.push_back(&cell);
@@ -72,7 +73,7 @@ class Search {
             const auto room = static_cast<double>(members.size());
             // What all of a cell's view unknown would be worth bounds it: most cells need not be looked into. The
             // article looks into all that are new.
-            if (isClimbing && best && room * mostOf(members) <= most) continue;
+            if (mayPassOver && best && room * mostOf(members) <= most) continue;
             std::optional<std::size_t>& found = bestOf_[corners];
             if (!found || cornersOf_[*found] != corners || isTaken_[*found])
                 found = isClimbing ? climb(members) : breed(members);
@@ -197,11 +198,11 @@ class Search {
                         return glm::length(places_[p] - wanted) < glm::length(places_[q] - wanted);
                     }));
             }
-            // The article counts each child's pictures, whether its place was tried before or not; so do we.
+            // The article draws each child's pictures, whether its place was tried before or not.
             const std::int64_t before = evaluations_;
             std::stable_sort(individuals.begin(), individuals.end(),
                              [&](std::size_t p, std::size_t q) { return valueOf(p) > valueOf(q); });
-            evaluations_ = before + 2;
+            if (options_.search == CellSearch::genetic) evaluations_ = before + 2;
             individuals.resize(static_cast<std::size_t>(options_.geneticIndividuals));
         }
         if (isTaken_[individuals.front()]) return std::nullopt;

@@ -1,7 +1,8 @@
 #pragma once
 // Reference positions that choose themselves (the article on Delaunay cells, section 5): place by place, each where the
-// images that are drawn there know least of what is seen, weighed by how much room it is. Two ways to look for that
-// place in a cell: the article's genetic one, and a coarse look with a climb from the best of it.
+// images that are drawn there know least of what is seen, weighed by how much room it is. Three ways to look
+// for that place in a cell: the article's genetic one; the same with a memory, which asks the objective once for each
+// place and never in cells that cannot win; and a coarse look with a climb from the best of it.
 //
 // What differs from the article: places are those where one can stand (a grid over the floors), not all of space, and
 // those beyond the hull of the positions count to the cell they are nearest to; so the search begins with one position
@@ -19,11 +20,11 @@
 
 namespace scene {
 
-enum class CellSearch { climbing, genetic };
+enum class CellSearch { climbing, remembering, genetic };
 
 struct PositionSearchOptions {
     int count = 8;
-    CellSearch search = CellSearch::climbing;
+    CellSearch search = CellSearch::remembering;
     int coarseLooks = 6;        ///< climbing: places of a cell that are looked from first
     int geneticIndividuals = 4; ///< as in the article
     int geneticIterations = 50; ///< of two children each; the article has 50 to 150
@@ -37,7 +38,7 @@ struct PositionSearchOptions {
 /// After each position.
 struct PositionSearchStep {
     glm::dvec3 position{0};
-    std::int64_t evaluations = 0; ///< of the objective, for this position
+    std::int64_t evaluations = 0; ///< of the objective, for this position; genetic: each child anew, as in the article
     double unknownShare = 0;      ///< of what is seen from the test places, by the cells' images
 };
 

@@ -84,7 +84,8 @@ json study(const std::filesystem::path& file) {
     json result{{"scene", file.stem().string()}, {"places", places.size()}, {"test_places", tests.size()}};
 
     for (const auto& [name, kind] :
-         {std::pair("climbing", scene::CellSearch::climbing), std::pair("genetic", scene::CellSearch::genetic)}) {
+         {std::pair("climbing", scene::CellSearch::climbing), std::pair("remembering", scene::CellSearch::remembering),
+          std::pair("genetic", scene::CellSearch::genetic)}) {
         scene::PositionSearchOptions options;
         options.count = kMost;
         options.search = kind;
@@ -145,7 +146,8 @@ cv::Mat3b draw(const json& result) {
         write(name, {kWidth - 200, kRim + 20 + 20 * row++}, colour);
     };
     for (const auto& [name, colour] :
-         {std::pair("climbing", cv::Scalar(40, 40, 200)), std::pair("genetic", cv::Scalar(200, 80, 40))}) {
+         {std::pair("climbing", cv::Scalar(40, 160, 220)), std::pair("remembering", cv::Scalar(40, 40, 200)),
+          std::pair("genetic", cv::Scalar(200, 80, 40))}) {
         const json& curve = result[name]["unknown_share"];
         for (std::size_t i = 1; i < curve.size(); ++i)
             cv::line(picture, at(static_cast<double>(i), curve[i - 1]), at(static_cast<double>(i + 1), curve[i]),

@@ -131,21 +131,30 @@ TEST(PositionSearch, BeatsAsManyRandomPositionsAndGoesOnGettingBetter) {
     EXPECT_LT(steps.back().unknownShare, 0.5 * steps.front().unknownShare);
 }
 
-TEST(PositionSearch, ClimbingFindsWhatTheGeneticSearchFindsInATenthOfTheLooks) {
+TEST(PositionSearch, RememberingFindsWhatTheGeneticSearchFindsInATenthOfTheLooks) {
     const Site site = room();
-    PositionSearchOptions options;
-    options.count = 8;
-    const auto climbed = searchPositions(site.places, site.tests, site.capture(), options);
-    options.search = CellSearch::genetic;
-    const auto bred = searchPositions(site.places, site.tests, site.capture(), options);
-    const auto looks = [](const std::vector<PositionSearchStep>& steps) {
-        return std::accumulate(steps.begin(), steps.end(), std::int64_t{0},
-                               [](std::int64_t sum, const PositionSearchStep& step) { return sum + step.evaluations; });
+    constexpr unsigned kSeeds = 2;
+    const auto searched = [&](CellSearch kind) {
+        double share = 0, looks = 0;
+        for (unsigned seed = 1; seed <= kSeeds; ++seed) {
+            PositionSearchOptions options;
+            options.count = 6;
+            options.search = kind;
+            options.seed = seed;
+            const auto steps = searchPositions(site.places, site.tests, site.capture(), options);
+            share += steps.back().unknownShare / kSeeds;
+            for (const PositionSearchStep& step : steps)
+                looks += static_cast<double>(step.evaluations) / kSeeds;
+        }
+        return std::pair(share, looks);
     };
-    std::printf("climbing %.4f by %lld looks, genetic %.4f by %lld\n", climbed.back().unknownShare,
-                static_cast<long long>(looks(climbed)), bred.back().unknownShare, static_cast<long long>(looks(bred)));
-    EXPECT_LE(climbed.back().unknownShare, 1.05 * bred.back().unknownShare);
-    EXPECT_LE(10 * looks(climbed), looks(bred));
+    const auto genetic = searched(CellSearch::genetic), remembering = searched(CellSearch::remembering),
+               climbing = searched(CellSearch::climbing);
+    std::printf("genetic %.4f by %.0f looks, remembering %.4f by %.0f, climbing %.4f by %.0f\n", genetic.first,
+                genetic.second, remembering.first, remembering.second, climbing.first, climbing.second);
+    // What six positions leave unknown differs by more than that from seed to seed.
+    EXPECT_LE(remembering.first, 1.15 * genetic.first);
+    EXPECT_LE(10 * remembering.second, genetic.second);
 }
 
 TEST(PositionSearch, EndsWhereNoMoreIsToBeGained) {
