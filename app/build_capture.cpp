@@ -19,7 +19,7 @@ namespace {
 using nlohmann::json;
 
 /// Changed whenever what a position looks like changes, so that results of older versions are not taken for new ones.
-constexpr int kCaptureVersion = 1;
+constexpr int kCaptureVersion = 2;
 
 json numbersOf(const glm::vec3& v) {
     return {v.x, v.y, v.z};
@@ -59,7 +59,7 @@ void choosePositions(const scene::PolygonTracer& tracer, const json& files, cons
         checkPositions(tracer, figures.positionsInWorld, wish.file);
         return;
     }
-    const int count = wish.isSearched ? options.mostPositions : wish.count;
+    const int count = wish.isSearched && options.mostPositions > 0 ? options.mostPositions : wish.count;
     const std::string key = keyOf({kCaptureVersion, files, count, wish.isSearched});
     const std::filesystem::path folder = store.find("positions", key, [&](const std::filesystem::path& part) {
         json list = json::array(), shares = json::array();

@@ -10,12 +10,27 @@
 
 namespace app {
 
+namespace {
+
+/// What one asks for and the capture cannot give is not passed over.
+void checkWishes(const BuildOptions& options, const scene::Capture& capture) {
+    checkPositionsWish(options.positions, capture);
+    if (options.mostPositions > 0 && !options.positions.isSearched)
+        throw scene::Failure("is for positions that are searched for", std::string("--count"),
+                             "leave it out, or ask for --positions auto");
+    if (!capture.polygons.empty() && !options.holdOut.empty())
+        throw scene::Failure("keeps photographs out, and polygons have none", std::string("--hold-out"),
+                             "leave it out");
+}
+
+} // namespace
+
 void buildScene(const BuildOptions& options) {
     scene::Capture capture = scene::openCapture(options.inputs);
+    checkWishes(options, capture);
     const std::vector<std::size_t> heldOut = scene::findHeldOut(capture, options.holdOut);
     if (capture.polygons.empty() && capture.scans.empty() && heldOut.size() == capture.photos.size())
         throw nothingToBuild(options);
-    checkPositionsWish(options.positions, capture);
     for (const std::string& remark : capture.remarks)
         std::fprintf(stderr, "note: %s\n", remark.c_str());
 

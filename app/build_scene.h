@@ -28,7 +28,7 @@ struct BuildOptions {
     bool cull = true;                     ///< false: every sample is kept
     bool fuse = true;                     ///< false: kept samples stay as they were captured
     PositionsWish positions;              ///< of polygon scenes
-    int mostPositions = kMostSearched;    ///< where they are searched for
+    int mostPositions = 0;                ///< where they are searched for; 0: kMostSearched
     int faceSize = 512;                   ///< of their images, pixels
     scene::CaptureLight light;
     scene::PolygonViewOptions polygonView;

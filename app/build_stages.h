@@ -20,8 +20,6 @@ nlohmann::json describeLight(const scene::CaptureLight& light);
 /// What to throw when a capture holds, or keeps back, nothing that can be seen.
 scene::Failure nothingToBuild(const BuildOptions& options);
 
-/// import and project: every photo and every face of every scan as a depth image file. Throws scene::Failure if there
-/// is none.
 /// What polygons were captured from; positions are empty for other captures.
 struct PolygonFigures {
     std::int64_t triangles = 0, instances = 0, materials = 0, textures = 0;
@@ -38,6 +36,8 @@ struct ImportedImages {
     scene::WalkStart start;
     PolygonFigures polygons;
 };
+/// import and project: every photo and every face of every scan as a depth image file. Throws scene::Failure if there
+/// is none.
 ImportedImages importImages(const scene::Capture& capture, const std::vector<std::size_t>& heldOut,
                             const BuildOptions& options, StageStore& store);
 

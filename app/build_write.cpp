@@ -6,6 +6,7 @@
 #include "app/version.h"
 
 #include "input/settings.h"
+#include "scene/camera_json.h"
 #include "scene/depth_tiff.h"
 #include "scene/errors.h"
 #include "scene/import/photo.h"
@@ -27,19 +28,6 @@ namespace {
 using nlohmann::json;
 
 constexpr const char* kWriteRemedy = "check that the disk has room and the folder may be written";
-
-json rowMajor(const scene::Pose& pose) {
-    json numbers = json::array();
-    const glm::dmat4 m = toMatrix(pose);
-    for (int i = 0; i < 16; ++i)
-        numbers.push_back(m[i % 4][i / 4]);
-    return numbers;
-}
-
-json describe(const std::string& name, const scene::Camera& c, const scene::Pose& worldFromCamera) {
-    return {{"name", name}, {"width", c.width}, {"height", c.height}, {"fx", c.fx},
-            {"fy", c.fy},   {"cx", c.cx},       {"cy", c.cy},         {"world_from_camera", rowMajor(worldFromCamera)}};
-}
 
 json describeOptions(const BuildOptions& o) {
     return {{"hold_out", o.holdOut},
@@ -197,11 +185,11 @@ void writeScene(const std::filesystem::path& output, const scene::Capture& captu
 
         json images = json::array(), heldOutCameras = json::array(), inputs = json::array();
         for (const scene::StoredImage& image : imported.images) {
-            images.push_back(describe(image.name, image.camera, image.worldFromCamera));
+            images.push_back(describeCamera(image.name, image.camera, image.worldFromCamera));
         }
         for (const std::size_t i : heldOut)
             heldOutCameras.push_back(
-                describe(capture.photos[i].name, capture.photos[i].camera, capture.photos[i].worldFromCamera));
+                describeCamera(capture.photos[i].name, capture.photos[i].camera, capture.photos[i].worldFromCamera));
         for (const auto& input : options.inputs)
             inputs.push_back(input.string());
 
@@ -214,7 +202,7 @@ void writeScene(const std::filesystem::path& output, const scene::Capture& captu
                       {"images", images},
                       {"held_out", heldOutCameras},
                       {"whole_images", !options.cull},
-                      {"walk_from_world", rowMajor({})},
+                      {"walk_from_world", scene::rowMajor({})},
                       {"polygons", describePolygons(imported.polygons, options)},
                       {"coverage", !coverage.file.empty()},
                       {"figures",

@@ -47,9 +47,10 @@ void addCapture(CLI::App& build, app::BuildOptions& options) {
             "others do not; or a JSON file of places in the file's own coordinates: {\"positions\": [[x, y, z], ...]}")
         ->type_name("N|auto|FILE")
         ->group(group);
-    build.add_option("--count", options.mostPositions, "with --positions auto: how many at most")
+    build
+        .add_option("--count", options.mostPositions,
+                    "with --positions auto: how many at most; default " + std::to_string(app::kMostSearched))
         ->check(CLI::Range(1, 100'000))
-        ->capture_default_str()
         ->group(group);
     build.add_option("--face-size", options.faceSize, "pixels along the side of each of the six images of a position")
         ->check(CLI::Range(scene::kLeastFaceSize, scene::kMostFaceSize))

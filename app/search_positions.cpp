@@ -2,7 +2,6 @@
 
 #include "app/progress.h"
 
-#include "scene/capture/cube_capture.h"
 #include "scene/capture/depth_view.h"
 #include "scene/capture/spread_positions.h"
 
@@ -32,10 +31,7 @@ std::vector<glm::dvec3> someOf(const std::vector<glm::dvec3>& places, std::size_
 std::vector<scene::PositionSearchStep> searchPositions(const scene::PolygonTracer& tracer, int count) {
     const std::vector<glm::dvec3> places = scene::standingPlaces(tracer);
     const auto capture = [&](const glm::dvec3& position) {
-        std::vector<scene::DepthImage> faces;
-        for (int face = 0; face < scene::kFaceCount; ++face)
-            faces.push_back(scene::traceDepth(tracer, scene::faceView(face, position, kSmallFace)));
-        return faces;
+        return scene::traceDepthCube(tracer, position, kSmallFace);
     };
     scene::PositionSearchOptions options;
     options.count = std::min(count, static_cast<int>(places.size()));

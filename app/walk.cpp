@@ -337,9 +337,9 @@ void Walk::draw(WalkStage& stage, xr::ViewSource& source, const xr::Frame& frame
         outputs[eye].nearMetres = static_cast<float>(xr::kDepthNearMetres * rig.scale);
     }
     if (isDesk(source) || (deskSide_ != nullptr && deskSide_->desk.wantsPicture())) renderer.keepNext();
-    fillOverlay(source);
     drawn_ = without(governed_ ? governed_->next(knobs_.quality, renderer.frames()) : knobs_.quality, givenUp_);
     stage.gpuScene().showOnly(selection_.choose(std::span(views).first(eyes), drawn_, seconds_));
+    fillOverlay(source);
     if (options_.isHeadless && stage.gpuScene().isStreamed()) {
         if (renderer.frames() > 0) renderer.finish(); // nobody waits, and pictures must not hang on the disk
         stage.gpuScene().settle(std::span(views).first(eyes), drawn_);

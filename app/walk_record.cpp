@@ -3,6 +3,8 @@
 #include "app/frame_pictures.h"
 #include "app/stage_store.h"
 
+#include "scene/camera_json.h"
+
 #include <algorithm>
 #include <cstdio>
 
@@ -24,19 +26,7 @@ void WalkRecord::addPicture(int frame, std::size_t eye, const scene::View& view,
     char name[64];
     std::snprintf(name, sizeof name, "frame-%06d-%s", frame, eye == 0 ? "left" : "right");
     writePictures(image, options_.out, name, false);
-    json rows = json::array();
-    const glm::dmat4 m = toMatrix(view.worldFromEye);
-    for (int i = 0; i < 16; ++i)
-        rows.push_back(m[i % 4][i / 4]);
-    const scene::Camera& c = view.camera;
-    cameras_.push_back({{"name", name},
-                        {"width", c.width},
-                        {"height", c.height},
-                        {"fx", c.fx},
-                        {"fy", c.fy},
-                        {"cx", c.cx},
-                        {"cy", c.cy},
-                        {"world_from_camera", rows}});
+    cameras_.push_back(scene::describeCamera(name, view.camera, view.worldFromEye));
 }
 
 void WalkRecord::write(const json& report) const {

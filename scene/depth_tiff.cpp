@@ -1,5 +1,6 @@
 #include "scene/depth_tiff.h"
 
+#include "scene/camera_json.h"
 #include "scene/errors.h"
 
 #include <algorithm>
@@ -153,23 +154,9 @@ void writeWhole(const std::filesystem::path& path, WritePages writePages) {
 
 /// As text. A name that is not UTF-8 is none that JSON can hold.
 std::string describe(const DepthImage& image, const std::filesystem::path& path) {
-    const glm::dmat4 m = toMatrix(image.worldFromCamera);
-    json matrix = json::array();
-    for (int row = 0; row < 4; ++row)
-        for (int column = 0; column < 4; ++column)
-            matrix.push_back(m[column][row]);
-    const Camera& c = image.camera;
-    json root = {{"revisit", "depth image"},
-                 {"version", 1},
-                 {"name", image.name},
-                 {"width", c.width},
-                 {"height", c.height},
-                 {"fx", c.fx},
-                 {"fy", c.fy},
-                 {"cx", c.cx},
-                 {"cy", c.cy},
-                 {"world_from_camera", matrix},
-                 {"checksum", checksumOf(image)}};
+    json root = describeCamera(image.name, image.camera, image.worldFromCamera);
+    root["revisit"] = "depth image", root["version"] = 1;
+    root["checksum"] = checksumOf(image);
     try {
         root["description_checksum"] = checksumOf(root);
         return root.dump();

@@ -1,5 +1,6 @@
 #include "scene/synthetic.h"
 
+#include "scene/srgb.h"
 #include "scene/synthetic_light.h"
 #include "scene/synthetic_model.h"
 #include "scene/synthetic_random.h"

@@ -316,11 +316,4 @@ glm::dvec3 exposed(const glm::dvec3& radiance, double exposure) {
     return 1.0 - glm::exp(radiance * -exposure);
 }
 
-Rgb8 encoded(const glm::dvec3& linear) {
-    const auto byte = [](double value) {
-        return static_cast<std::uint8_t>(std::lround(255.0 * srgbFromLinear(std::clamp(value, 0.0, 1.0))));
-    };
-    return {byte(linear.x), byte(linear.y), byte(linear.z)};
-}
-
 } // namespace scene

@@ -20,7 +20,4 @@ glm::dvec3 skyRadiance(const Sky& sky, const glm::dvec3& direction);
 /// Radiance as a picture shows it: exposed, rolled off before white, still linear in [0, 1).
 glm::dvec3 exposed(const glm::dvec3& radiance, double exposure);
 
-/// Linear colour in [0, 1] to picture bytes.
-Rgb8 encoded(const glm::dvec3& linear);
-
 } // namespace scene

@@ -2,6 +2,7 @@
 
 #include "scene/synthetic.h"
 
+#include "scene/directions.h"
 #include "scene/synthetic_model.h"
 #include "scene/synthetic_tracer.h"
 
@@ -140,10 +141,10 @@ std::vector<View> captureViews(const SyntheticScene& scene, int count, const Cam
 
 double clearanceAt(const SyntheticScene& scene, const glm::dvec3& pInWorld) {
     constexpr int kDirections = 64;
+    static const std::vector<glm::dvec3> directions = spreadDirections(kDirections);
     double nearest = std::numeric_limits<double>::infinity();
-    for (int i = 0; i < kDirections; ++i) {
-        const double z = 1.0 - 2.0 * (i + 0.5) / kDirections, r = std::sqrt(1.0 - z * z), angle = i * 2.399963229728653;
-        const auto hit = scene.tracer().cast(pInWorld, {r * std::cos(angle), r * std::sin(angle), z});
+    for (const glm::dvec3& direction : directions) {
+        const auto hit = scene.tracer().cast(pInWorld, {direction.x, direction.z, direction.y});
         if (hit) nearest = std::min(nearest, hit->t);
     }
     return nearest;

@@ -1,5 +1,6 @@
 #include "scene/synthetic_texture.h"
 
+#include "scene/srgb.h"
 #include "scene/synthetic_random.h"
 
 #include <algorithm>
@@ -168,14 +169,6 @@ glm::dvec3 road(const Material& m, const glm::dvec3& p) {
 }
 
 } // namespace
-
-double linearFromSrgb(double value) {
-    return value <= 0.04045 ? value / 12.92 : std::pow((value + 0.055) / 1.055, 2.4);
-}
-
-double srgbFromLinear(double value) {
-    return value <= 0.0031308 ? value * 12.92 : 1.055 * std::pow(value, 1.0 / 2.4) - 0.055;
-}
 
 glm::dvec3 reflectance(std::uint32_t rgb) {
     const auto channel = [&](int shift) { return linearFromSrgb(static_cast<double>((rgb >> shift) & 255u) / 255.0); };

@@ -48,10 +48,6 @@ struct Material {
 /// Linear reflectance of a colour as pictures write it: 0xRRGGBB in sRGB.
 glm::dvec3 reflectance(std::uint32_t rgb);
 
-/// The sRGB curve, both ways on [0, 1].
-double linearFromSrgb(double value);
-double srgbFromLinear(double value);
-
 /// Smooth noise in [0, 1] with features of size 1, band-limited to about two features.
 double smoothNoise(const glm::dvec3& p, std::uint32_t seed);
 

@@ -1,5 +1,7 @@
 #include "scene/capture/depth_view.h"
 
+#include "scene/capture/cube_capture.h"
+
 namespace scene {
 
 DepthImage traceDepth(const PolygonTracer& tracer, const View& view) {
@@ -20,6 +22,13 @@ DepthImage traceDepth(const PolygonTracer& tracer, const View& view) {
             image.flags(x, y) = 0;
         }
     return image;
+}
+
+std::vector<DepthImage> traceDepthCube(const PolygonTracer& tracer, const glm::dvec3& positionInWorld, int faceSize) {
+    std::vector<DepthImage> faces;
+    for (int face = 0; face < kFaceCount; ++face)
+        faces.push_back(traceDepth(tracer, faceView(face, positionInWorld, faceSize)));
+    return faces;
 }
 
 } // namespace scene

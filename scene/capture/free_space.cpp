@@ -1,5 +1,6 @@
 #include "scene/capture/free_space.h"
 
+#include "scene/directions.h"
 #include "scene/errors.h"
 
 #include <algorithm>
@@ -12,21 +13,11 @@
 
 namespace scene {
 
-std::vector<glm::dvec3> sphereSpiral(int count) {
-    const double golden = std::numbers::pi * (3.0 - std::sqrt(5.0));
-    std::vector<glm::dvec3> directions;
-    for (int i = 0; i < count; ++i) {
-        const double y = 1.0 - 2.0 * (i + 0.5) / count, r = std::sqrt(1.0 - y * y), turn = golden * i;
-        directions.emplace_back(r * std::cos(turn), y, r * std::sin(turn));
-    }
-    return directions;
-}
-
 Surroundings lookRound(const PolygonTracer& tracer, const glm::dvec3& positionInWorld, int looks) {
     Surroundings about;
     about.nearestMetres = std::numeric_limits<double>::infinity();
     int hits = 0, backs = 0, level = 0, levelHits = 0;
-    for (const glm::dvec3& direction : sphereSpiral(looks)) {
+    for (const glm::dvec3& direction : spreadDirections(looks)) {
         const std::optional<PolygonHit> hit = tracer.cast(positionInWorld, direction);
         const bool isLevel = std::abs(direction.y) <= kLevelSine;
         level += isLevel;

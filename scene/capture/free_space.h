@@ -27,9 +27,6 @@ struct Surroundings {
     double levelShare = 0;              ///< of the looks about the horizon (kLevelSine): those that end
 };
 
-/// Directions evenly spread over the sphere, unit.
-std::vector<glm::dvec3> sphereSpiral(int count);
-
 Surroundings lookRound(const PolygonTracer& tracer, const glm::dvec3& positionInWorld, int looks = 256);
 
 inline bool isInsideSolid(const Surroundings& about) {

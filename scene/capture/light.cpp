@@ -70,8 +70,12 @@ SurfaceLight::SurfaceLight(const PolygonTracer& tracer, const CaptureLight& ligh
     for (glm::vec3* const colour : {&light_.zenith, &light_.horizon, &light_.ground})
         *colour *= light.skyStrength;
     const PolygonScene& scene = tracer.scene();
+    std::vector<bool> isCutOut(textures_.size(), false);
+    for (const PolygonMaterial& material : scene.materials)
+        if (material.colourTexture != kNoTexture && material.alphaTexture != kNoTexture)
+            isCutOut[static_cast<std::size_t>(material.colourTexture)] = true;
     tbb::parallel_for(std::size_t{0}, textures_.size(), [&](std::size_t i) {
-        textures_[i] = std::make_unique<TexturePyramid>(scene.textures[i].pixels);
+        textures_[i] = std::make_unique<TexturePyramid>(scene.textures[i].pixels, isCutOut[i]);
     });
     std::size_t triangles = 0;
     for (const PolygonInstance& instance : scene.instances) {

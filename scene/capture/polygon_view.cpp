@@ -1,5 +1,7 @@
 #include "scene/capture/polygon_view.h"
 
+#include "scene/srgb.h"
+
 #include <algorithm>
 #include <cassert>
 #include <cmath>
@@ -123,7 +125,7 @@ DepthImage renderPolygons(const PolygonTracer& tracer, const SurfaceLight& light
         for (int y = above; y < below; ++y)
             for (int x = 0; x < width; ++x) {
                 const Sample& centre = centres(x, y - above) = looker.look(x + 0.5, y + 0.5, 1.0);
-                colours(x, y - above) = srgbOf(centre.colour);
+                colours(x, y - above) = encoded(centre.colour);
             }
         for (int y = first; y < end; ++y)
             for (int x = 0; x < width; ++x) {
@@ -138,7 +140,7 @@ DepthImage renderPolygons(const PolygonTracer& tracer, const SurfaceLight& light
                 };
                 if (options.raysAcross > 1 &&
                     (needsMore(x - 1, y) || needsMore(x + 1, y) || needsMore(x, y - 1) || needsMore(x, y + 1)))
-                    image.colour(x, y) = srgbOf(meanOnSurface(looker, centre, x, y, options));
+                    image.colour(x, y) = encoded(meanOnSurface(looker, centre, x, y, options));
             }
     });
     return image;

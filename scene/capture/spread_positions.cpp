@@ -1,6 +1,7 @@
 #include "scene/capture/spread_positions.h"
 
 #include "scene/capture/free_space.h"
+#include "scene/directions.h"
 #include "scene/errors.h"
 
 #include <algorithm>
@@ -70,7 +71,7 @@ std::size_t nearestOf(const std::vector<glm::dvec3>& positions, const glm::dvec3
 /// Number of the triangles that looks from a place end on.
 std::vector<std::uint64_t> trianglesSeen(const PolygonTracer& tracer, const glm::dvec3& position) {
     std::vector<std::uint64_t> seen;
-    for (const glm::dvec3& direction : sphereSpiral(kLooks))
+    for (const glm::dvec3& direction : spreadDirections(kLooks))
         if (const std::optional<PolygonHit> hit = tracer.cast(position, direction))
             seen.push_back(static_cast<std::uint64_t>(hit->instance) << 32 | hit->triangle);
     return seen;

@@ -1,9 +1,9 @@
 #include "scene/capture/texture_pyramid.h"
 
 #include "scene/capture/texels.h"
+#include "scene/srgb.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include <glm/common.hpp>
@@ -16,29 +16,18 @@ namespace {
 
 constexpr float kMostLooks = 8; ///< along the longer side of a footprint
 
-std::array<float, 256> makeLinear() {
-    std::array<float, 256> table{};
-    for (std::size_t i = 0; i < table.size(); ++i) {
-        const double s = static_cast<double>(i) / 255;
-        table[i] = static_cast<float>(s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4));
-    }
-    return table;
-}
-
-const std::array<float, 256> kLinear = makeLinear();
-
 glm::vec3 linearOf(const Rgb8& c) {
-    return {kLinear[c.r], kLinear[c.g], kLinear[c.b]};
+    return {linearFromSrgb(c.r), linearFromSrgb(c.g), linearFromSrgb(c.b)};
 }
 
 /// Colours times alpha, and alpha: what is cut out has no say in what is left.
 using Weighted = Image<glm::vec4>;
 
-Weighted weightedOf(const Image<Rgba8>& picture) {
+Weighted weightedOf(const Image<Rgba8>& picture, bool isCutOut) {
     Weighted weighted(picture.width(), picture.height());
     for (std::size_t i = 0; i < picture.size(); ++i) {
         const Rgba8& p = picture.pixels()[i];
-        const float alpha = static_cast<float>(p.a) / 255;
+        const float alpha = isCutOut ? static_cast<float>(p.a) / 255 : 1.0f;
         weighted.pixels()[i] = {linearOf({p.r, p.g, p.b}) * alpha, alpha};
     }
     return weighted;
@@ -71,7 +60,7 @@ Image<Rgb8> finished(const Weighted& level, const Image<Rgb8>* coarser) {
         for (int x = 0; x < level.width(); ++x) {
             const glm::vec4& w = level(x, y);
             if (w.w > 0)
-                colours(x, y) = srgbOf(glm::vec3(w) / w.w);
+                colours(x, y) = encoded(glm::vec3(w) / w.w);
             else if (coarser != nullptr)
                 colours(x, y) =
                     (*coarser)(std::min(x / 2, coarser->width() - 1), std::min(y / 2, coarser->height() - 1));
@@ -85,22 +74,8 @@ glm::vec3 bilinear(const Image<Rgb8>& level, const glm::vec2& place) {
 
 } // namespace
 
-namespace {
-
-std::uint8_t srgbFromLinear(float value) {
-    const float v = std::clamp(value, 0.0f, 1.0f);
-    const float s = v <= 0.0031308f ? v * 12.92f : 1.055f * std::pow(v, 1 / 2.4f) - 0.055f;
-    return static_cast<std::uint8_t>(s * 255 + 0.5f);
-}
-
-} // namespace
-
-Rgb8 srgbOf(const glm::vec3& linear) {
-    return {srgbFromLinear(linear.x), srgbFromLinear(linear.y), srgbFromLinear(linear.z)};
-}
-
-TexturePyramid::TexturePyramid(const Image<Rgba8>& picture) {
-    std::vector<Weighted> weighted{weightedOf(picture)};
+TexturePyramid::TexturePyramid(const Image<Rgba8>& picture, bool isCutOut) {
+    std::vector<Weighted> weighted{weightedOf(picture, isCutOut)};
     while (weighted.back().size() > 1)
         weighted.push_back(halved(weighted.back()));
     levels_.resize(weighted.size());

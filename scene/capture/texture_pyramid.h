@@ -18,7 +18,9 @@ struct TextureFootprint {
 
 class TexturePyramid {
   public:
-    explicit TexturePyramid(const Image<Rgba8>& picture);
+    /// isCutOut: some surface is cut by a mask, so that alpha tells which colours are meant; else alpha means nothing,
+    /// and is often 0 all over.
+    TexturePyramid(const Image<Rgba8>& picture, bool isCutOut);
 
     /// The mean linear colour about a place, repeated beyond the edges. A footprint of nothing: bilinear in the picture
     /// itself.
@@ -32,8 +34,5 @@ class TexturePyramid {
     std::vector<Image<Rgb8>> levels_;
     glm::vec3 mean_{0.0f};
 };
-
-/// Linear colour as pictures are written (IEC 61966-2-1); beyond 0 to 1 it is cut off.
-Rgb8 srgbOf(const glm::vec3& linear);
 
 } // namespace scene

@@ -1,5 +1,7 @@
 #include "scene/plan/next_scan.h"
 
+#include "scene/directions.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -62,8 +64,9 @@ class UnseenVoxels {
 
 /// Directions in the axes of the bounds, and which are beside which.
 struct Rays {
-    Rays(std::size_t count, const ScanRays& rays)
-        : directions(spreadRays(count, rays)), neighbours(neighboursOf(directions, kNeighbourRadians)) {}
+    Rays(int count, const ScanRays& rays)
+        : directions(spreadDirections(count, std::sin(rays.lowestRadians))),
+          neighbours(neighboursOf(directions, kNeighbourRadians)) {}
     std::vector<glm::dvec3> directions;
     std::vector<std::vector<std::uint32_t>> neighbours;
 };

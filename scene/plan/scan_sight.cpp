@@ -1,5 +1,7 @@
 #include "scene/plan/scan_sight.h"
 
+#include "scene/directions.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -13,7 +15,7 @@ namespace scene {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
-constexpr std::size_t kLearnRays = 2048;
+constexpr int kLearnRays = 2048;
 constexpr std::size_t kMostPlaces = 64; ///< to learn from
 /// Nearer to a side of the bounds a surface is taken for the wall, floor or ceiling there: share of the side's length,
 /// and at most so many metres.
@@ -83,18 +85,6 @@ void follow(const Coverage& coverage, const UprightBounds& bounds, const glm::dv
     }
 }
 
-std::vector<glm::dvec3> spreadRays(std::size_t count, const ScanRays& rays) {
-    // A spiral of equal areas, turned by the golden angle from ray to ray.
-    const double golden = kPi * (3 - std::sqrt(5.0)), lowest = std::sin(rays.lowestRadians);
-    std::vector<glm::dvec3> directions;
-    for (std::size_t i = 0; i < count; ++i) {
-        const double y = 1 - (static_cast<double>(i) + 0.5) / static_cast<double>(count) * (1 - lowest);
-        const double across = std::sqrt(std::max(0.0, 1 - y * y)), angle = golden * static_cast<double>(i);
-        directions.emplace_back(across * std::cos(angle), y, across * std::sin(angle));
-    }
-    return directions;
-}
-
 double solidAngleOf(const ScanRays& rays) {
     return 2 * kPi * (1 - std::sin(rays.lowestRadians));
 }
@@ -105,7 +95,7 @@ SeenPlace learnFromSeen(const Coverage& coverage, const UprightBounds& bounds, s
     const std::size_t step = std::max<std::size_t>(1, (stood.size() + kMostPlaces - 1) / kMostPlaces);
     for (std::size_t i = 0; i < stood.size(); i += step)
         if (bounds.holds(stood[i])) places.push_back(stood[i]);
-    const std::vector<glm::dvec3> directions = spreadRays(kLearnRays, rays);
+    const std::vector<glm::dvec3> directions = spreadDirections(kLearnRays, std::sin(rays.lowestRadians));
     const glm::dmat3 worldFromBounds = inverse(bounds.boundsFromWorld).rotation;
     const UprightBounds cube = wholeCube(coverage);
     std::vector<RayEnds> ends(places.size());

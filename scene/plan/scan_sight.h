@@ -46,9 +46,6 @@ struct SeenPlace {
 SeenPlace learnFromSeen(const Coverage& coverage, const UprightBounds& bounds, std::span<const glm::dvec3> stood,
                         const ScanRays& rays);
 
-/// Directions spread evenly over the sphere above the lowest elevation, in walk axes; unit.
-std::vector<glm::dvec3> spreadRays(std::size_t count, const ScanRays& rays);
-
 /// The sphere's part that the rays share, steradians.
 double solidAngleOf(const ScanRays& rays);
 

@@ -3,6 +3,7 @@
 //
 //   revisit_polygon_truth OUT SCENE.obj COUNT
 
+#include "scene/camera_json.h"
 #include "scene/capture/polygon_view.h"
 #include "scene/capture/spread_positions.h"
 #include "scene/errors.h"
@@ -71,18 +72,7 @@ int main(int argc, char** argv) {
             std::snprintf(name, sizeof name, "t%04d", i);
             cv::imwrite((out / (std::string(name) + ".png")).string(), colour);
             cv::imwrite((out / (std::string(name) + "-depth.tiff")).string(), depth);
-            const glm::dmat3& r = view.worldFromEye.rotation;
-            const glm::dvec3& t = view.worldFromEye.translation;
-            cameras.push_back({{"name", name},
-                               {"width", c.width},
-                               {"height", c.height},
-                               {"fx", c.fx},
-                               {"fy", c.fy},
-                               {"cx", c.cx},
-                               {"cy", c.cy},
-                               {"world_from_camera",
-                                {r[0].x, r[1].x, r[2].x, t.x, r[0].y, r[1].y, r[2].y, t.y, r[0].z, r[1].z, r[2].z, t.z,
-                                 0, 0, 0, 1}}});
+            cameras.push_back(scene::describeCamera(name, view.camera, view.worldFromEye));
         }
         std::ofstream(out / "cameras.json") << json{{"cameras", cameras}}.dump(1) << "\n";
     } catch (const scene::Failure& failure) {

@@ -3,7 +3,6 @@
 //
 //   revisit_position_study OUT SCENE.obj...
 
-#include "scene/capture/cube_capture.h"
 #include "scene/capture/depth_view.h"
 #include "scene/capture/spread_positions.h"
 #include "scene/errors.h"
@@ -30,13 +29,6 @@ using nlohmann::json;
 
 constexpr int kSmallFace = 48, kTestPlaces = 200, kMost = 32, kSeeds = 5;
 constexpr std::array kCounts{8, 16, 32};
-
-std::vector<scene::DepthImage> smallCube(const scene::PolygonTracer& tracer, const glm::dvec3& position) {
-    std::vector<scene::DepthImage> faces;
-    for (int face = 0; face < scene::kFaceCount; ++face)
-        faces.push_back(scene::traceDepth(tracer, scene::faceView(face, position, kSmallFace)));
-    return faces;
-}
 
 /// Fixed by the seed, between the places of the search's grid and not on them.
 std::vector<glm::dvec3> testPlaces(const scene::PolygonTracer& tracer, const std::vector<glm::dvec3>& places) {
@@ -79,7 +71,9 @@ json study(const std::filesystem::path& file) {
     const scene::PolygonScene polygons = scene::readPolygons(file);
     const scene::PolygonTracer tracer(polygons);
     const std::vector<glm::dvec3> places = scene::standingPlaces(tracer), tests = testPlaces(tracer, places);
-    const scene::CaptureSmall capture = [&](const glm::dvec3& position) { return smallCube(tracer, position); };
+    const scene::CaptureSmall capture = [&](const glm::dvec3& position) {
+        return scene::traceDepthCube(tracer, position, kSmallFace);
+    };
     std::printf("%s: %zu places\n", file.c_str(), places.size());
     json result{{"scene", file.stem().string()}, {"places", places.size()}, {"test_places", tests.size()}};
 

@@ -2,6 +2,7 @@
 
 #include "scene/errors.h"
 
+#include "scene/directions.h"
 #include "tests/scene/capture/known_polygons.h"
 #include "tests/scene/scratch_folder.h"
 
@@ -66,7 +67,7 @@ TEST(FreeSpace, PositionsAreRefusedByName) {
 TEST(FreeSpace, LooksAreSpreadEvenly) {
     glm::dvec3 sum(0);
     int upper = 0;
-    for (const glm::dvec3& d : sphereSpiral(256)) {
+    for (const glm::dvec3& d : spreadDirections(256)) {
         EXPECT_NEAR(glm::length(d), 1.0, 1e-12);
         sum += d;
         upper += d.y > 0.5; // a quarter of the sphere

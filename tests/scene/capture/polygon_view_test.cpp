@@ -1,5 +1,6 @@
 #include "scene/capture/polygon_view.h"
 
+#include "scene/srgb.h"
 #include "tests/scene/capture/known_polygons.h"
 
 #include <algorithm>
@@ -14,7 +15,7 @@ namespace scene {
 namespace {
 
 Rgb8 shown(const CaptureLight& light, const PolygonTracer& tracer, const glm::vec3& linear) {
-    return srgbOf(SurfaceLight(tracer, light).exposed(linear));
+    return encoded(SurfaceLight(tracer, light).exposed(linear));
 }
 
 /// A room 4 m deep with a board 2 m before its far wall, each of one colour.
@@ -55,8 +56,8 @@ TEST(PolygonView, WhereNothingStandsThereIsSky) {
     const DepthImage image = renderPolygons(tracer, light, view);
     EXPECT_EQ(image.flags(20, 5), kNoSurface);
     EXPECT_EQ(image.disparity(20, 5), 0.0f);
-    EXPECT_EQ(image.colour(20, 5),
-              srgbOf(light.exposed(light.skyTowards(view.worldFromEye.rotation * rayThrough(view.camera, 20.5, 5.5)))));
+    EXPECT_EQ(image.colour(20, 5), encoded(light.exposed(light.skyTowards(view.worldFromEye.rotation *
+                                                                          rayThrough(view.camera, 20.5, 5.5)))));
     EXPECT_EQ(image.flags(20, 25), 0);
     EXPECT_NEAR(image.disparity(20, 25), 1.0 / 3, 1e-6);
 }
@@ -147,7 +148,7 @@ TEST(PolygonView, APointHasOneColourFromEverywhere) {
             ASSERT_TRUE(hit);
             if (std::abs(hit->t - 1) > 1e-5) continue; // hidden from there
             const PolygonPoint point = light.pointAt(from, direction, *hit);
-            const Rgb8 there = srgbOf(light.exposed(light.colourAt(*hit, point, {}) * light.at(*hit, point)));
+            const Rgb8 there = encoded(light.exposed(light.colourAt(*hit, point, {}) * light.at(*hit, point)));
             const Rgb8 here = image.colour(x, y);
             ASSERT_LE(std::abs(here.r - there.r) + std::abs(here.g - there.g) + std::abs(here.b - there.b), 3);
             ++seen;

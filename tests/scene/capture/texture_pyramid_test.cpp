@@ -1,4 +1,5 @@
 #include "scene/capture/texture_pyramid.h"
+#include "scene/srgb.h"
 
 #include <gtest/gtest.h>
 
@@ -16,7 +17,7 @@ Image<Rgba8> checker(int size) {
 TEST(TexturePyramid, WithoutAFootprintTheTexelItself) {
     Image<Rgba8> picture(4, 2, {0, 0, 0, 255});
     picture(2, 0) = {255, 0, 0, 255};
-    const TexturePyramid pyramid(picture);
+    const TexturePyramid pyramid(picture, true);
     const glm::vec3 at = pyramid.colourAt({2.5f / 4, 0.75f}, {}); // the upper row: v runs up
     EXPECT_EQ(at, glm::vec3(1, 0, 0));
     EXPECT_EQ(pyramid.colourAt({2.5f / 4 + 3, 0.75f - 2}, {}), at) << "textures repeat";
@@ -26,7 +27,7 @@ TEST(TexturePyramid, WithoutAFootprintTheTexelItself) {
 
 TEST(TexturePyramid, AWideFootprintIsTheMeanOfTheLight) {
     for (const int size : {64, 37}) {
-        const TexturePyramid pyramid(checker(size));
+        const TexturePyramid pyramid(checker(size), false);
         EXPECT_NEAR(pyramid.mean().x, 0.5f, 0.01f);
         const glm::vec3 wide = pyramid.colourAt({0.3f, 0.6f}, {{0.5f, 0}, {0, 0.5f}});
         EXPECT_NEAR(wide.x, 0.5f, 0.02f);
@@ -41,21 +42,27 @@ TEST(TexturePyramid, WhatIsCutOutHasNoSay) {
     for (int y = 4; y < 12; ++y)
         for (int x = 4; x < 12; ++x)
             picture(x, y) = {0, 255, 0, 255};
-    const TexturePyramid pyramid(picture);
+    const TexturePyramid pyramid(picture, true);
     EXPECT_NEAR(pyramid.mean().x, 0.0f, 1e-6);
     EXPECT_NEAR(pyramid.mean().y, 1.0f, 1e-6);
     for (float width : {0.0f, 0.05f, 0.2f, 1.0f})
         EXPECT_NEAR(pyramid.colourAt({4.0f / 16, 0.5f}, {{width, 0}, {0, width}}).x, 0.0f, 1e-6) << "at its rim";
 }
 
+TEST(TexturePyramid, WhereNothingIsCutOutAlphaMeansNothing) {
+    const TexturePyramid pyramid(Image<Rgba8>(8, 8, {0, 255, 0, 0}), false);
+    EXPECT_EQ(pyramid.mean(), glm::vec3(0, 1, 0));
+    EXPECT_EQ(pyramid.colourAt({0.5f, 0.5f}, {}), glm::vec3(0, 1, 0));
+}
+
 TEST(TexturePyramid, ColoursGoThereAndBack) {
     for (int value = 0; value < 256; ++value) {
         const auto byte = static_cast<std::uint8_t>(value);
-        const TexturePyramid one(Image<Rgba8>(1, 1, {byte, byte, byte, 255}));
-        EXPECT_EQ(srgbOf(one.mean()).r, byte);
+        const TexturePyramid one(Image<Rgba8>(1, 1, {byte, byte, byte, 255}), false);
+        EXPECT_EQ(encoded(one.mean()).r, byte);
     }
-    EXPECT_EQ(srgbOf(glm::vec3(7)).g, 255);
-    EXPECT_EQ(srgbOf(glm::vec3(-1)).g, 0);
+    EXPECT_EQ(encoded(glm::vec3(7)).g, 255);
+    EXPECT_EQ(encoded(glm::vec3(-1)).g, 0);
 }
 
 } // namespace
