@@ -20,6 +20,7 @@ using nlohmann::json;
 
 /// Changed whenever what a position looks like changes, so that results of older versions are not taken for new ones.
 constexpr int kCaptureVersion = 2;
+constexpr int kSearchVersion = 2; ///< the same for where positions stand
 
 json numbersOf(const glm::vec3& v) {
     return {v.x, v.y, v.z};
@@ -60,27 +61,21 @@ void choosePositions(const scene::PolygonTracer& tracer, const json& files, cons
         return;
     }
     const int count = wish.isSearched && options.mostPositions > 0 ? options.mostPositions : wish.count;
-    const std::string key = keyOf({kCaptureVersion, files, count, wish.isSearched});
+    const std::string key = keyOf({kCaptureVersion, kSearchVersion, files, count, wish.isSearched});
     const std::filesystem::path folder = store.find("positions", key, [&](const std::filesystem::path& part) {
-        json list = json::array(), shares = json::array();
-        std::int64_t looks = 0;
-        const auto add = [&](const glm::dvec3& p) { list.push_back({p.x, p.y, p.z}); };
-        if (wish.isSearched)
-            for (const scene::PositionSearchStep& step : searchPositions(tracer, count)) {
-                add(step.position);
-                shares.push_back(step.unknownShare);
-                looks += step.evaluations;
-            }
-        else
-            for (const glm::dvec3& p : spreadPositions(tracer, count))
-                add(p);
-        writeWhole(part / "positions.json",
-                   json{{"positions", list}, {"unknown_shares", shares}, {"looks", looks}}.dump());
+        const SearchedPositions searched =
+            wish.isSearched ? searchPositions(tracer, count) : SearchedPositions{spreadPositions(tracer, count), {}, 0};
+        json list = json::array();
+        for (const glm::dvec3& p : searched.positions)
+            list.push_back({p.x, p.y, p.z});
+        writeWhole(
+            part / "positions.json",
+            json{{"positions", list}, {"unknown_shares", searched.unknownShares}, {"trials", searched.trials}}.dump());
     });
     figures.positionsInWorld = readPositionsFile(folder / "positions.json");
     const json kept = readJson(folder / "positions.json");
     figures.unknownShares = kept.at("unknown_shares").get<std::vector<double>>();
-    figures.looks = kept.at("looks");
+    figures.trials = kept.at("trials");
 }
 
 /// The first position, towards where one sees farthest.

@@ -25,7 +25,7 @@ struct PolygonFigures {
     std::int64_t triangles = 0, instances = 0, materials = 0, textures = 0;
     std::vector<glm::dvec3> positionsInWorld;
     std::vector<double> unknownShares; ///< after each, where they were searched for
-    std::int64_t looks = 0;            ///< that the search took
+    std::int64_t trials = 0;           ///< sets of positions that the search weighed
 };
 
 struct ImportedImages {

@@ -66,9 +66,9 @@ json explain(const scene::Capture& capture, const ImportedImages& imported, cons
     if (!imported.polygons.unknownShares.empty()) {
         char share[32];
         std::snprintf(share, sizeof share, "%.2f %%", 100 * imported.polygons.unknownShares.back());
-        reasons.push_back("positions were searched for, in " + std::to_string(imported.polygons.looks) +
-                          " looks: of what is seen where one can stand, " + share +
-                          " is unknown to the images of the walk cell there");
+        reasons.push_back("positions were searched for, in " + std::to_string(imported.polygons.trials) +
+                          " trials: of what is seen where one can stand, " + share +
+                          " is unknown to the images of the walk cell there, if only those were drawn");
     }
     if (!o.fuse) reasons.push_back("no fusion: samples stay as captured, as asked");
     return reasons;
@@ -81,7 +81,7 @@ json describePolygons(const PolygonFigures& polygons, const BuildOptions& option
     for (const glm::dvec3& p : polygons.positionsInWorld)
         positions.push_back({p.x, p.y, p.z});
     return {{"unknown_shares", polygons.unknownShares},
-            {"search_looks", polygons.looks},
+            {"search_trials", polygons.trials},
             {"triangles", polygons.triangles},
             {"instances", polygons.instances},
             {"materials", polygons.materials},

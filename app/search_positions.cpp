@@ -4,16 +4,17 @@
 
 #include "scene/capture/depth_view.h"
 #include "scene/capture/spread_positions.h"
+#include "scene/plan/position_search.h"
+#include "scene/plan/sight_search.h"
 
 #include <algorithm>
-#include <cstdio>
 
 namespace app {
 
 namespace {
 
-constexpr int kSmallFace = 48;          ///< pixels of the images that the search looks at
-constexpr std::size_t kTestPlaces = 64; ///< at which it is told how much is unknown
+constexpr int kSmallFace = 48;          ///< pixels of the images that tell how much is unknown
+constexpr std::size_t kTestPlaces = 64; ///< at which it is told
 /// A position is worth it if it makes known this share of all that is seen from all places.
 constexpr double kLeastGain = 2e-4;
 
@@ -28,19 +29,25 @@ std::vector<glm::dvec3> someOf(const std::vector<glm::dvec3>& places, std::size_
 
 } // namespace
 
-std::vector<scene::PositionSearchStep> searchPositions(const scene::PolygonTracer& tracer, int count) {
+SearchedPositions searchPositions(const scene::PolygonTracer& tracer, int count) {
     const std::vector<glm::dvec3> places = scene::standingPlaces(tracer);
-    const auto capture = [&](const glm::dvec3& position) {
-        return scene::traceDepthCube(tracer, position, kSmallFace);
-    };
-    scene::PositionSearchOptions options;
+    scene::SightSearchOptions options;
     options.count = std::min(count, static_cast<int>(places.size()));
     options.leastGain = kLeastGain;
     Progress progress("positions", static_cast<std::size_t>(options.count));
-    std::vector<scene::PositionSearchStep> steps = scene::searchPositions(
-        places, someOf(places, kTestPlaces), capture, options, [&](const auto&) { progress.advance(); });
-    progress.advance(static_cast<std::size_t>(options.count) - steps.size());
-    return steps;
+    const scene::SightSearchResult found =
+        scene::searchBySight(places, scene::sightLinesOf(tracer), options, [&] { progress.advance(); });
+    progress.advance(static_cast<std::size_t>(options.count) - found.positions.size());
+
+    SearchedPositions searched{found.positions, {}, found.trials};
+    const auto capture = [&](const glm::dvec3& position) {
+        return scene::traceDepthCube(tracer, position, kSmallFace);
+    };
+    const std::vector<glm::dvec3> tests = someOf(places, kTestPlaces);
+    for (std::size_t first = 1; first <= found.positions.size(); ++first)
+        searched.unknownShares.push_back(
+            scene::unknownShareOf(std::span(found.positions).first(first), tests, capture));
+    return searched;
 }
 
 } // namespace app

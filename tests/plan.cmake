@@ -1,8 +1,8 @@
 # Walk cells.
 revisit_test(revisit_plan_tests LABELS unit LINKS scene scene_plan
     SOURCES scene/plan/simplex_test.cpp scene/plan/walk_cells_test.cpp)
-revisit_test(revisit_position_search_tests LABELS scenes TIMEOUT 600 LINKS scene scene_plan
-    SOURCES scene/plan/position_search_test.cpp)
+revisit_test(revisit_position_search_tests LABELS scenes TIMEOUT 600 LINKS scene scene_plan TBB::tbb
+    SOURCES scene/plan/known_sites.cpp scene/plan/position_search_test.cpp scene/plan/sight_search_test.cpp)
 revisit_test(revisit_next_scan_tests LABELS scenes TIMEOUT 600 LINKS scene scene_plan scene_project scene_refine
     SOURCES scene/plan/next_scan_test.cpp)
 revisit_bench(revisit_plan_bench LINKS scene_plan CGAL::CGAL SOURCES bench/plan_bench.cpp)
@@ -15,3 +15,6 @@ foreach(study position_study polygon_truth)
     target_link_libraries(revisit_${study} PRIVATE revisit_flags scene_plan scene_capture nlohmann_json::nlohmann_json
         opencv_core opencv_imgcodecs opencv_imgproc)
 endforeach()
+target_sources(revisit_position_study PRIVATE bench/position_pictures.cpp)
+target_include_directories(revisit_position_study PRIVATE ${CMAKE_SOURCE_DIR})
+target_link_libraries(revisit_position_study PRIVATE scene_refine TBB::tbb)

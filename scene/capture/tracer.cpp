@@ -211,4 +211,18 @@ TriangleInWorld PolygonTracer::triangleOf(const PolygonHit& hit) const {
     return triangle;
 }
 
+SightLines sightLinesOf(const PolygonTracer& tracer) {
+    constexpr double kShort = 1e-4; // of the line, and more than rays err
+    const auto cast = [&tracer](const glm::dvec3& from, const glm::dvec3& direction) -> std::optional<SightEnd> {
+        const std::optional<PolygonHit> hit = tracer.cast(from, direction);
+        if (!hit) return std::nullopt;
+        return SightEnd{from + hit->t * direction, glm::normalize(tracer.triangleOf(*hit).across)};
+    };
+    const auto isBlocked = [&tracer](const glm::dvec3& from, const glm::dvec3& to) {
+        const double length = glm::length(to - from), lengths = 1 - kShort - 2 * tracer.skinMetres() / length;
+        return lengths > 0 && tracer.isBlocked(from, to - from, lengths);
+    };
+    return {cast, isBlocked};
+}
+
 } // namespace scene

@@ -2,6 +2,7 @@
 // Rays into a polygon scene, by Embree, with the hit computed again in double precision.
 
 #include "scene/import/polygons.h"
+#include "scene/sight_lines.h"
 
 #include <memory>
 #include <optional>
@@ -86,5 +87,8 @@ class PolygonTracer {
     std::vector<glm::dmat3> normalMaps_;
     std::vector<bool> isMirrored_;
 };
+
+/// Lent the tracer.
+SightLines sightLinesOf(const PolygonTracer& tracer);
 
 } // namespace scene

@@ -16,25 +16,13 @@ namespace scene {
 
 namespace {
 
-constexpr int kNeighbours = 8; ///< places about a place, among which a climb goes on
-
 using Corners = std::vector<std::uint32_t>; ///< positions whose images are drawn, ascending
-
-Corners cornersAt(const WalkCells& cells, const glm::dvec3& place, std::uint32_t& cell,
-                  std::vector<PositionShare>& found) {
-    cells.sharesAt(place, cell, found);
-    Corners corners;
-    for (const PositionShare& share : found)
-        if (share.share >= 1) corners.push_back(share.position);
-    return corners;
-}
 
 double meanUnknownShare(const WalkCells& cells, const UnknownSpace& space, std::span<const glm::dvec3> testPlaces) {
     std::vector<double> shares(testPlaces.size());
     tbb::parallel_for(std::size_t{0}, testPlaces.size(), [&](std::size_t i) {
         std::uint32_t cell = 0;
-        std::vector<PositionShare> found;
-        shares[i] = space.countAt(testPlaces[i], cornersAt(cells, testPlaces[i], cell, found)).unknownShare();
+        shares[i] = space.countAt(testPlaces[i], cells.cornersAt(testPlaces[i], cell)).unknownShare();
     });
     return shares.empty() ? 0 : std::accumulate(shares.begin(), shares.end(), 0.0) / static_cast<double>(shares.size());
 }
@@ -43,9 +31,7 @@ class Search {
   public:
     Search(std::span<const glm::dvec3> places, const CaptureSmall& capture, const PositionSearchOptions& options)
         : places_(places), capture_(capture), options_(options), space_(options.unknown), random_(options.seed),
-          values_(places.size()) {
-        findNeighbours();
-    }
+          values_(places.size()) {}
 
     void insert(std::size_t place) {
         positions_.push_back(places_[place]);
@@ -59,8 +45,7 @@ class Search {
     /// The best of the best of all cells; nothing if no place is left, or none is worth it.
     std::optional<std::size_t> next() {
         evaluations_ = 0;
-        const bool isClimbing = options_.search == CellSearch::climbing;
-        const bool mayPassOver = options_.search != CellSearch::genetic;
+        const bool mayPassOver = options_.search == CellSearch::remembering;
         std::vector<const Cell*> order;
         for (const Cell& cell : members_)
             order.push_back(&cell);
@@ -75,8 +60,7 @@ class Search {
             // article looks into all that are new.
             if (mayPassOver && best && room * mostOf(members) <= most) continue;
             std::optional<std::size_t>& found = bestOf_[corners];
-            if (!found || cornersOf_[*found] != corners || isTaken_[*found])
-                found = isClimbing ? climb(members) : breed(members);
+            if (!found || cornersOf_[*found] != corners || isTaken_[*found]) found = breed(members);
             if (!found) continue;
             const double worth = room * valueOf(*found);
             if (worth > most) most = worth, best = found;
@@ -101,9 +85,8 @@ class Search {
         members_.clear();
         cornersOf_.resize(places_.size());
         std::uint32_t cell = 0;
-        std::vector<PositionShare> found;
         for (std::size_t i = 0; i < places_.size(); ++i) {
-            cornersOf_[i] = cornersAt(cells_, places_[i], cell, found);
+            cornersOf_[i] = cells_.cornersAt(places_[i], cell);
             members_[cornersOf_[i]].push_back(i);
         }
         std::erase_if(bestOf_, [&](const auto& best) { return !members_.contains(best.first); });
@@ -127,51 +110,6 @@ class Search {
             ++evaluations_;
         }
         return isTaken_[place] ? -1 : values_[place]->objective;
-    }
-
-    /// The same for many, on all cores.
-    void prepare(const std::vector<std::size_t>& wanted) {
-        std::vector<std::size_t> unknown;
-        for (const std::size_t place : wanted)
-            if (!isKnown(place)) unknown.push_back(place);
-        std::sort(unknown.begin(), unknown.end());
-        unknown.erase(std::unique(unknown.begin(), unknown.end()), unknown.end());
-        tbb::parallel_for(std::size_t{0}, unknown.size(), [&](std::size_t i) {
-            const std::size_t place = unknown[i];
-            values_[place] = Value{cornersOf_[place], space_.countAt(places_[place], cornersOf_[place]).objective()};
-        });
-        evaluations_ += std::ssize(unknown);
-    }
-
-    std::size_t bestOf(const std::vector<std::size_t>& some) {
-        return *std::max_element(some.begin(), some.end(),
-                                 [&](std::size_t a, std::size_t b) { return valueOf(a) < valueOf(b); });
-    }
-
-    /// Some places spread over the cell; from the best of them to better neighbours, while there are any.
-    std::optional<std::size_t> climb(const std::vector<std::size_t>& members) {
-        std::vector<std::size_t> looks{members.front()};
-        std::vector<double> away(members.size(), std::numeric_limits<double>::infinity());
-        while (std::ssize(looks) < std::min<std::ptrdiff_t>(options_.coarseLooks, std::ssize(members))) {
-            for (std::size_t i = 0; i < members.size(); ++i)
-                away[i] = std::min(away[i], glm::length(places_[members[i]] - places_[looks.back()]));
-            looks.push_back(
-                members[static_cast<std::size_t>(std::max_element(away.begin(), away.end()) - away.begin())]);
-        }
-        prepare(looks);
-        std::size_t best = bestOf(looks);
-        for (;;) {
-            std::vector<std::size_t> about;
-            for (const std::size_t neighbour : neighbours_[best])
-                if (cornersOf_[neighbour] == cornersOf_[best]) about.push_back(neighbour);
-            if (about.empty()) break;
-            prepare(about);
-            const std::size_t better = bestOf(about);
-            if (valueOf(better) <= valueOf(best)) break;
-            best = better;
-        }
-        if (isTaken_[best]) return std::nullopt;
-        return best;
     }
 
     /// Section 6 of the article: each iteration makes two children, drawn by their parents' worth, and drops the two
@@ -209,23 +147,6 @@ class Search {
         return individuals.front();
     }
 
-    void findNeighbours() {
-        neighbours_.resize(places_.size());
-        tbb::parallel_for(std::size_t{0}, places_.size(), [&](std::size_t i) {
-            std::vector<std::size_t> others(places_.size());
-            std::iota(others.begin(), others.end(), std::size_t{0});
-            const auto count = std::min<std::size_t>(kNeighbours + 1, others.size());
-            const auto isNearer = [&](std::size_t a, std::size_t b) {
-                const double da = glm::length(places_[a] - places_[i]), db = glm::length(places_[b] - places_[i]);
-                return da != db ? da < db : a < b;
-            };
-            std::partial_sort(others.begin(), others.begin() + static_cast<std::ptrdiff_t>(count), others.end(),
-                              isNearer);
-            for (std::size_t k = 0; k < count; ++k)
-                if (others[k] != i) neighbours_[i].push_back(others[k]);
-        });
-    }
-
     std::span<const glm::dvec3> places_;
     const CaptureSmall& capture_;
     const PositionSearchOptions& options_;
@@ -239,7 +160,6 @@ class Search {
     std::map<Corners, std::optional<std::size_t>>
         bestOf_; ///< the best place of each cell, for as long as there is the cell
     std::vector<std::optional<Value>> values_;
-    std::vector<std::vector<std::size_t>> neighbours_;
     std::int64_t evaluations_ = 0;
 };
 

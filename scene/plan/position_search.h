@@ -1,8 +1,8 @@
 #pragma once
-// Reference positions that choose themselves (the article on Delaunay cells, section 5): place by place, each where the
-// images that are drawn there know least of what is seen, weighed by how much room it is. Three ways to look
-// for that place in a cell: the article's genetic one; the same with a memory, which asks the objective once for each
-// place and never in cells that cannot win; and a coarse look with a climb from the best of it.
+// The article's search for reference positions (on Delaunay cells, sections 5 and 6), to compare with: position by
+// position, each where the images that are drawn there know least of what is seen, weighed by how much room it is. That
+// place is looked for genetically in every cell. A second way is the same with a memory: it asks the objective once for
+// each place and never in cells that cannot win. What builds take is scene/plan/sight_search.h.
 //
 // What differs from the article: places are those where one can stand (a grid over the floors), not all of space, and
 // those beyond the hull of the positions count to the cell they are nearest to; so the search begins with one position
@@ -20,12 +20,11 @@
 
 namespace scene {
 
-enum class CellSearch { climbing, remembering, genetic };
+enum class CellSearch { genetic, remembering };
 
 struct PositionSearchOptions {
     int count = 8;
-    CellSearch search = CellSearch::remembering;
-    int coarseLooks = 6;        ///< climbing: places of a cell that are looked from first
+    CellSearch search = CellSearch::genetic;
     int geneticIndividuals = 4; ///< as in the article
     int geneticIterations = 50; ///< of two children each; the article has 50 to 150
     /// Ends earlier when the most that a further position could make known, as a share of all that is seen from all
@@ -52,7 +51,7 @@ std::vector<PositionSearchStep> searchPositions(std::span<const glm::dvec3> plac
                                                 const PositionSearchOptions& options,
                                                 const std::function<void(const PositionSearchStep&)>& told = {});
 
-/// The same share for positions that were chosen otherwise.
+/// The same share for positions that were chosen otherwise, of all of them.
 double unknownShareOf(std::span<const glm::dvec3> positions, std::span<const glm::dvec3> testPlaces,
                       const CaptureSmall& capture, const UnknownSpaceOptions& options = {});
 

@@ -281,6 +281,15 @@ std::uint32_t WalkCells::locate(const glm::dvec3& p, std::uint32_t from) const {
     return placeOf(p, from).cell;
 }
 
+std::vector<std::uint32_t> WalkCells::cornersAt(const glm::dvec3& p, std::uint32_t& cell) const {
+    std::vector<PositionShare> shares;
+    sharesAt(p, cell, shares);
+    std::vector<std::uint32_t> corners;
+    for (const PositionShare& share : shares)
+        if (share.share >= 1) corners.push_back(share.position);
+    return corners;
+}
+
 double WalkCells::reachAt(const glm::dvec3& p) const {
     return reachFrom(placeOf(p, 0).at);
 }

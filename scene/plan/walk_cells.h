@@ -59,6 +59,9 @@ class WalkCells {
     /// Positions with a share greater than 0, ascending. cell: where the search begins; becomes the walker's cell.
     void sharesAt(const glm::dvec3& p, std::uint32_t& cell, std::vector<PositionShare>& shares) const;
 
+    /// Those with all of their samples: the walker's cell's corners, ascending.
+    std::vector<std::uint32_t> cornersAt(const glm::dvec3& p, std::uint32_t& cell) const;
+
     /// How far before a cell's border its images begin to come, metres.
     double reachAt(const glm::dvec3& p) const;
 

@@ -1,12 +1,16 @@
-// Where reference positions stand, and what is then unknown: positions that were searched for, by climbing and by the
-// article's genetic search, against uniform grids, spread ones, and random ones. Curves as JSON and as a picture.
+// Where reference positions stand, what is then unknown, and how what is drawn compares with ray-traced truth:
+// positions that were searched for by sight and by the article's genetic search, against uniform grids, spread ones,
+// and random ones. JSON and pictures.
 //
 //   revisit_position_study OUT SCENE.obj...
+
+#include "tests/bench/position_pictures.h"
 
 #include "scene/capture/depth_view.h"
 #include "scene/capture/spread_positions.h"
 #include "scene/errors.h"
 #include "scene/plan/position_search.h"
+#include "scene/plan/sight_search.h"
 
 #include <algorithm>
 #include <array>
@@ -15,7 +19,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
-#include <numeric>
+#include <optional>
 #include <random>
 
 #include <glm/geometric.hpp>
@@ -27,8 +31,9 @@ namespace {
 
 using nlohmann::json;
 
-constexpr int kSmallFace = 48, kTestPlaces = 200, kMost = 32, kSeeds = 5;
-constexpr std::array kCounts{8, 16, 32};
+constexpr int kSmallFace = 48, kTestPlaces = 200, kSeeds = 5;
+constexpr std::array kCounts{4, 8, 16, 32};
+constexpr int kMostGenetic = 16; ///< it takes too long for more
 
 /// Fixed by the seed, between the places of the search's grid and not on them.
 std::vector<glm::dvec3> testPlaces(const scene::PolygonTracer& tracer, const std::vector<glm::dvec3>& places) {
@@ -67,94 +72,135 @@ std::vector<glm::dvec3> gridOf(const std::vector<glm::dvec3>& places, std::size_
     }
 }
 
-json study(const std::filesystem::path& file) {
-    const scene::PolygonScene polygons = scene::readPolygons(file);
-    const scene::PolygonTracer tracer(polygons);
-    const std::vector<glm::dvec3> places = scene::standingPlaces(tracer), tests = testPlaces(tracer, places);
-    const scene::CaptureSmall capture = [&](const glm::dvec3& position) {
-        return scene::traceDepthCube(tracer, position, kSmallFace);
-    };
-    std::printf("%s: %zu places\n", file.c_str(), places.size());
-    json result{{"scene", file.stem().string()}, {"places", places.size()}, {"test_places", tests.size()}};
+/// Everything that is asked of positions, by their number.
+class Study {
+  public:
+    explicit Study(const std::filesystem::path& file)
+        : polygons_(scene::readPolygons(file)), tracer_(polygons_), places_(scene::standingPlaces(tracer_)),
+          tests_(testPlaces(tracer_, places_)), pictures_(tracer_, tests_) {
+        result_ = {{"scene", file.stem().string()}, {"places", places_.size()}, {"test_places", tests_.size()}};
+        std::printf("%s: %zu places\n", file.c_str(), places_.size());
+    }
 
-    for (const auto& [name, kind] :
-         {std::pair("climbing", scene::CellSearch::climbing), std::pair("remembering", scene::CellSearch::remembering),
-          std::pair("genetic", scene::CellSearch::genetic)}) {
+    json run() {
+        for (const int count : kCounts) {
+            bySight(count);
+            tell("grid", gridOf(places_, static_cast<std::size_t>(count)));
+            tell("spread", scene::spreadPositions(tracer_, count));
+            for (unsigned seed = 1; seed <= kSeeds; ++seed) {
+                std::vector<glm::dvec3> positions = places_;
+                std::shuffle(positions.begin(), positions.end(), std::mt19937(seed));
+                positions.resize(static_cast<std::size_t>(count));
+                tell("random", positions);
+            }
+        }
+        step("remembering", scene::CellSearch::remembering, kCounts.back());
+        step("genetic", scene::CellSearch::genetic, kMostGenetic);
+        return result_;
+    }
+
+  private:
+    void tell(const char* name, const std::vector<glm::dvec3>& positions, const json& effort = json::object()) {
+        const PictureQuality quality = pictures_.qualityOf(positions);
+        json figures{{"positions", positions.size()},
+                     {"unknown_share", scene::unknownShareOf(positions, tests_, capture_)},
+                     {"psnr_seen_db", quality.psnrSeen},
+                     {"psnr_all_db", quality.psnrAll},
+                     {"hole_share", quality.holeShare}};
+        figures.update(effort);
+        std::printf("%s %s\n", name, figures.dump().c_str());
+        std::fflush(stdout);
+        result_[name].push_back(figures);
+    }
+
+    void bySight(int count) {
+        scene::SightSearchOptions options;
+        options.count = count;
+        const auto start = std::chrono::steady_clock::now();
+        const scene::SightSearchResult found = scene::searchBySight(places_, scene::sightLinesOf(tracer_), options);
+        const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - start;
+        tell("by_sight", found.positions,
+             {{"trials", found.trials}, {"rays", found.rays}, {"seconds", passed.count()}, {"looks", 0}});
+    }
+
+    void step(const char* name, scene::CellSearch kind, int count) {
         scene::PositionSearchOptions options;
-        options.count = kMost;
+        options.count = count;
         options.search = kind;
         const auto start = std::chrono::steady_clock::now();
-        json curve = json::array(), looks = json::array();
-        for (const auto& step : scene::searchPositions(places, tests, capture, options)) {
-            curve.push_back(step.unknownShare);
-            looks.push_back(step.evaluations);
-        }
-        const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - start;
-        result[name] = {{"unknown_share", curve}, {"looks", looks}, {"seconds", passed.count()}};
-        std::printf("%s: %s, %.0f s\n", name, curve.dump().c_str(), passed.count());
+        std::vector<glm::dvec3> positions;
+        std::int64_t looks = 0;
+        std::vector<std::pair<std::vector<glm::dvec3>, json>> stages;
+        scene::searchPositions(places_, {}, capture_, options, [&](const scene::PositionSearchStep& made) {
+            positions.push_back(made.position);
+            looks += made.evaluations;
+            const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - start;
+            if (std::find(kCounts.begin(), kCounts.end(), std::ssize(positions)) != kCounts.end())
+                stages.emplace_back(positions, json{{"looks", looks}, {"seconds", passed.count()}});
+        });
+        for (const auto& [chosen, effort] : stages)
+            tell(name, chosen, effort);
     }
-    for (const int count : kCounts) {
-        const auto n = static_cast<std::size_t>(count);
-        const auto tell = [&](const char* name, const std::vector<glm::dvec3>& positions) {
-            const double share = scene::unknownShareOf(positions, tests, capture);
-            result[name][std::to_string(count)].push_back(share);
-            std::printf("%s %d: %.5f\n", name, count, share);
-        };
-        tell("grid", gridOf(places, n));
-        tell("spread", scene::spreadPositions(tracer, count));
-        for (unsigned seed = 1; seed <= kSeeds; ++seed) {
-            std::vector<glm::dvec3> positions = places;
-            std::shuffle(positions.begin(), positions.end(), std::mt19937(seed));
-            positions.resize(n);
-            tell("random", positions);
-        }
-    }
-    return result;
-}
 
-/// Unknown share over the number of positions, both by logarithm.
-cv::Mat3b draw(const json& result) {
-    constexpr int kWidth = 900, kHeight = 600, kRim = 70;
+    scene::PolygonScene polygons_;
+    scene::PolygonTracer tracer_;
+    std::vector<glm::dvec3> places_, tests_;
+    PositionPictures pictures_;
+    scene::CaptureSmall capture_ = [this](const glm::dvec3& position) {
+        return scene::traceDepthCube(tracer_, position, kSmallFace);
+    };
+    json result_;
+};
+
+/// One figure over the number of positions, which goes by its logarithm; so does the figure if `byLogarithm` says so.
+struct Axis {
+    const char *figure, *title;
+    double low, high;
+    bool isLogarithmic;
+};
+
+cv::Mat3b draw(const json& result, const Axis& axis) {
+    constexpr int kWidth = 800, kHeight = 560, kRim = 70;
     cv::Mat3b picture(kHeight, kWidth, cv::Vec3b(255, 255, 255));
-    constexpr double kLeast = 1e-4;
-    const auto at = [&](double count, double share) {
-        const double x = std::log2(count) / 5, y = std::log10(std::max(share, kLeast)) / std::log10(kLeast);
-        return cv::Point(kRim + static_cast<int>(x * (kWidth - 2 * kRim)),
+    const auto scaled = [&](double value) { return axis.isLogarithmic ? std::log10(value) : value; };
+    const auto at = [&](double count, double value) {
+        const double x = std::log2(count / kCounts.front()) / std::log2(kCounts.back() / kCounts.front());
+        const double y = (scaled(std::clamp(value, axis.low, axis.high)) - scaled(axis.high)) /
+                         (scaled(axis.low) - scaled(axis.high));
+        return cv::Point(kRim + static_cast<int>(x * (kWidth - 3 * kRim)),
                          kRim + static_cast<int>(y * (kHeight - 2 * kRim)));
     };
     const cv::Scalar grey(200, 200, 200), black(0, 0, 0);
     const auto write = [&](const std::string& text, cv::Point where, const cv::Scalar& colour) {
         cv::putText(picture, text, where, cv::FONT_HERSHEY_SIMPLEX, 0.45, colour, 1, cv::LINE_AA);
     };
-    for (const int count : {1, 2, 4, 8, 16, 32}) {
-        cv::line(picture, at(count, 1), at(count, kLeast), grey);
-        write(std::to_string(count), at(count, kLeast) + cv::Point(-5, 20), black);
+    for (const int count : kCounts) {
+        cv::line(picture, at(count, axis.high), at(count, axis.low), grey);
+        write(std::to_string(count), at(count, axis.low) + cv::Point(-5, 20), black);
     }
-    for (const double share : {1.0, 0.1, 0.01, 0.001, 1e-4}) {
-        cv::line(picture, at(1, share), at(32, share), grey);
-        write(json(100 * share).dump() + " %", at(1, share) + cv::Point(-65, 5), black);
+    for (int i = 0; i <= 4; ++i) {
+        const double value = axis.isLogarithmic ? axis.low * std::pow(axis.high / axis.low, i / 4.0)
+                                                : axis.low + (axis.high - axis.low) * i / 4;
+        cv::line(picture, at(kCounts.front(), value), at(kCounts.back(), value), grey);
+        char text[32];
+        std::snprintf(text, sizeof text, axis.isLogarithmic ? "%.2g" : "%.1f", value);
+        write(text, at(kCounts.front(), value) + cv::Point(-50, 5), black);
     }
-    write(result["scene"].get<std::string>() + ": unknown share over the number of positions", {kRim, 30}, black);
+    write(result["scene"].get<std::string>() + ": " + axis.title + " over the number of positions", {kRim, 30}, black);
     int row = 0;
-    const auto label = [&](const std::string& name, const cv::Scalar& colour) {
-        write(name, {kWidth - 200, kRim + 20 + 20 * row++}, colour);
-    };
     for (const auto& [name, colour] :
-         {std::pair("climbing", cv::Scalar(40, 160, 220)), std::pair("remembering", cv::Scalar(40, 40, 200)),
-          std::pair("genetic", cv::Scalar(200, 80, 40))}) {
-        const json& curve = result[name]["unknown_share"];
-        for (std::size_t i = 1; i < curve.size(); ++i)
-            cv::line(picture, at(static_cast<double>(i), curve[i - 1]), at(static_cast<double>(i + 1), curve[i]),
-                     colour, 2, cv::LINE_AA);
-        label(name, colour);
-    }
-    for (const auto& [name, colour] :
-         {std::pair("grid", cv::Scalar(0, 130, 0)), std::pair("spread", cv::Scalar(150, 0, 150)),
-          std::pair("random", cv::Scalar(120, 120, 120))}) {
-        for (const auto& [count, shares] : result[name].items())
-            for (const double share : shares)
-                cv::circle(picture, at(std::stod(count), share), 5, colour, 2, cv::LINE_AA);
-        label(name, colour);
+         {std::pair("by_sight", cv::Scalar(40, 40, 200)), std::pair("remembering", cv::Scalar(40, 160, 220)),
+          std::pair("genetic", cv::Scalar(200, 80, 40)), std::pair("spread", cv::Scalar(150, 0, 150)),
+          std::pair("grid", cv::Scalar(0, 130, 0)), std::pair("random", cv::Scalar(120, 120, 120))}) {
+        const bool isScattered = std::string(name) == "random";
+        std::optional<cv::Point> before;
+        for (const json& point : result[name]) {
+            const cv::Point here = at(point["positions"], point[axis.figure]);
+            cv::circle(picture, here, 4, colour, 2, cv::LINE_AA);
+            if (before && !isScattered) cv::line(picture, *before, here, colour, 2, cv::LINE_AA);
+            before = here;
+        }
+        write(name, {kWidth - 130, kRim + 20 + 20 * row++}, colour);
     }
     return picture;
 }
@@ -170,10 +216,13 @@ int main(int argc, char** argv) {
         const std::filesystem::path out = argv[1];
         std::filesystem::create_directories(out);
         for (int i = 2; i < argc; ++i) {
-            const json result = study(argv[i]);
+            const json result = Study(argv[i]).run();
             const std::string name = result["scene"];
             std::ofstream(out / (name + ".json")) << result.dump(1) << "\n";
-            cv::imwrite((out / (name + ".png")).string(), draw(result));
+            cv::Mat3b both;
+            cv::hconcat(draw(result, {"unknown_share", "unknown share", 1e-3, 1, true}),
+                        draw(result, {"psnr_all_db", "PSNR, dB", 15, 35, false}), both);
+            cv::imwrite((out / (name + ".png")).string(), both);
         }
     } catch (const scene::Failure& failure) {
         std::fprintf(stderr, "revisit_position_study: %s\n", failure.what());

@@ -1,9 +1,7 @@
 // Where positions place themselves in a furnished room and along a street corner: against random ones, against the
 // article's genetic search, and against what is known of simple places.
 
-#include "scene/cube.h"
-#include "scene/plan/position_search.h"
-#include "scene/synthetic.h"
+#include "tests/scene/plan/known_sites.h"
 
 #include <gtest/gtest.h>
 
@@ -18,51 +16,7 @@
 namespace scene {
 namespace {
 
-constexpr int kFaceSize = 48;
-constexpr double kEyeMetres = 1.6, kClearMetres = 0.3;
-
-std::vector<DepthImage> smallCube(const SyntheticScene& truth, const glm::dvec3& position) {
-    std::vector<DepthImage> faces;
-    View view;
-    view.camera = {kFaceSize, kFaceSize, 0.5 * kFaceSize - 1, 0.5 * kFaceSize - 1, 0.5 * kFaceSize, 0.5 * kFaceSize};
-    view.worldFromEye.translation = position;
-    for (const glm::dmat3& faceFromCube : facesFromCube(0)) {
-        view.worldFromEye.rotation = glm::transpose(faceFromCube);
-        faces.push_back(renderTruth(truth, view));
-    }
-    return faces;
-}
-
-/// Where one can stand within a rectangle of the floor.
-std::vector<glm::dvec3> placesIn(const SyntheticScene& truth, double left, double right, double front, double back,
-                                 double step) {
-    std::vector<glm::dvec3> places;
-    for (double y = front; y <= back; y += step)
-        for (double x = left; x <= right; x += step)
-            if (const glm::dvec3 p(x, y, kEyeMetres); clearanceAt(truth, p) > kClearMetres) places.push_back(p);
-    return places;
-}
-
-struct Site {
-    SyntheticScene truth;
-    std::vector<glm::dvec3> places, tests;
-    CaptureSmall capture() const {
-        return [this](const glm::dvec3& position) { return smallCube(truth, position); };
-    }
-};
-
-Site siteOf(SyntheticScene truth, double left, double right, double front, double back, double step) {
-    Site site{std::move(truth), {}, {}};
-    site.places = placesIn(site.truth, left, right, front, back, step);
-    site.tests = placesIn(site.truth, left + 0.37 * step, right, front + 0.61 * step, back, 2.6 * step);
-    return site;
-}
-
-Site room() {
-    return siteOf(makeRoom(), 0.3, 4.9, 0.3, 3.9, 0.25); // of 5.2 x 4.2 m
-}
-
-double randomShare(const Site& site, std::size_t count, unsigned seed) {
+double randomShare(const KnownSite& site, std::size_t count, unsigned seed) {
     std::vector<glm::dvec3> positions = site.places;
     std::shuffle(positions.begin(), positions.end(), std::mt19937(seed));
     positions.resize(count);
@@ -70,7 +24,7 @@ double randomShare(const Site& site, std::size_t count, unsigned seed) {
 }
 
 TEST(UnknownSpace, FromAPositionItselfNothingIsUnknown) {
-    const Site site = room();
+    const KnownSite site = furnishedRoom();
     UnknownSpace space;
     const std::uint32_t own = space.add(smallCube(site.truth, site.places[20]));
     const UnknownCount there = space.countAt(site.places[20], std::array{own});
@@ -82,7 +36,7 @@ TEST(UnknownSpace, FromAPositionItselfNothingIsUnknown) {
 }
 
 TEST(UnknownSpace, WhatIsNearCountsAgainstAPlace) {
-    const Site site = room();
+    const KnownSite site = furnishedRoom();
     UnknownSpaceOptions options;
     options.nearMetres = 1.2;
     UnknownSpace space(options);
@@ -97,7 +51,7 @@ TEST(UnknownSpace, WhatIsNearCountsAgainstAPlace) {
 }
 
 TEST(UnknownSpace, EmptyIsWhatSomeImageSawThrough) {
-    const Site site = room();
+    const KnownSite site = furnishedRoom();
     UnknownSpace space;
     const std::uint32_t own = space.add(smallCube(site.truth, site.places[20]));
     int wrong = 0, empty = 0;
@@ -114,7 +68,7 @@ TEST(UnknownSpace, EmptyIsWhatSomeImageSawThrough) {
 }
 
 TEST(PositionSearch, BeatsAsManyRandomPositionsAndGoesOnGettingBetter) {
-    const Site site = room();
+    const KnownSite site = furnishedRoom();
     PositionSearchOptions options;
     options.count = 8;
     const auto steps = searchPositions(site.places, site.tests, site.capture(), options);
@@ -132,7 +86,7 @@ TEST(PositionSearch, BeatsAsManyRandomPositionsAndGoesOnGettingBetter) {
 }
 
 TEST(PositionSearch, RememberingFindsWhatTheGeneticSearchFindsInATenthOfTheLooks) {
-    const Site site = room();
+    const KnownSite site = furnishedRoom();
     constexpr unsigned kSeeds = 2;
     const auto searched = [&](CellSearch kind) {
         double share = 0, looks = 0;
@@ -148,17 +102,16 @@ TEST(PositionSearch, RememberingFindsWhatTheGeneticSearchFindsInATenthOfTheLooks
         }
         return std::pair(share, looks);
     };
-    const auto genetic = searched(CellSearch::genetic), remembering = searched(CellSearch::remembering),
-               climbing = searched(CellSearch::climbing);
-    std::printf("genetic %.4f by %.0f looks, remembering %.4f by %.0f, climbing %.4f by %.0f\n", genetic.first,
-                genetic.second, remembering.first, remembering.second, climbing.first, climbing.second);
+    const auto genetic = searched(CellSearch::genetic), remembering = searched(CellSearch::remembering);
+    std::printf("genetic %.4f by %.0f looks, remembering %.4f by %.0f\n", genetic.first, genetic.second,
+                remembering.first, remembering.second);
     // What six positions leave unknown differs by more than that from seed to seed.
     EXPECT_LE(remembering.first, 1.25 * genetic.first);
     EXPECT_LE(10 * remembering.second, genetic.second);
 }
 
 TEST(PositionSearch, EndsWhereNoMoreIsToBeGained) {
-    const Site site = room();
+    const KnownSite site = furnishedRoom();
     PositionSearchOptions options;
     options.count = 30;
     options.leastGain = 0.02;

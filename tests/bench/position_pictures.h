@@ -1,0 +1,40 @@
+#pragma once
+// What walkers would see by the images of given positions, against what there is.
+
+#include "scene/capture/light.h"
+#include "scene/depth_image.h"
+#include "scene/tile.h"
+#include "scene/view.h"
+
+#include <array>
+#include <map>
+#include <span>
+#include <vector>
+
+/// Over fixed views, each drawn as a mesh by the images of its walk cell (skins cut where disparity jumps).
+struct PictureQuality {
+    double psnrSeen = 0; ///< dB, mean over the views, over pixels that were drawn
+    double psnrAll = 0;  ///< over all; black where nothing was drawn
+    double holeShare = 0;
+};
+
+class PositionPictures {
+  public:
+    /// Lent the tracer. Level views from these places, to all sides.
+    PositionPictures(const scene::PolygonTracer& tracer, std::span<const glm::dvec3> places);
+
+    PictureQuality qualityOf(std::span<const glm::dvec3> positions);
+
+  private:
+    struct Face {
+        scene::DepthImage image;
+        scene::TileSet tiles;
+    };
+    const std::vector<Face>& cubeAt(const glm::dvec3& position);
+
+    const scene::PolygonTracer& tracer_;
+    scene::SurfaceLight light_;
+    std::vector<scene::View> views_;
+    std::vector<scene::Image<scene::Rgb8>> truths_;
+    std::map<std::array<double, 3>, std::vector<Face>> cubes_; ///< that were taken so far
+};
