@@ -8,6 +8,7 @@
 #include "scene/capture/spread_positions.h"
 #include "scene/depth_tiff.h"
 #include "scene/errors.h"
+#include "scene/import/polygons.h"
 
 #include <cstdio>
 #include <optional>

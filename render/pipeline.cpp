@@ -7,23 +7,20 @@
 
 namespace render {
 
-namespace {
-
-PipelineLayout makeLayout(const Device& device, std::span<const VkDescriptorSetLayout> sets,
-                          std::uint32_t pushConstantBytes) {
-    const VkPushConstantRange range{VK_SHADER_STAGE_COMPUTE_BIT, 0, pushConstantBytes};
+PipelineLayout makePipelineLayout(const Device& device, std::span<const VkDescriptorSetLayout> sets,
+                                  const VkPushConstantRange& constants) {
     VkPipelineLayoutCreateInfo info{};
     info.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO;
     info.setLayoutCount = static_cast<std::uint32_t>(sets.size());
     info.pSetLayouts = sets.data();
     info.pushConstantRangeCount = 1;
-    info.pPushConstantRanges = &range;
+    info.pPushConstantRanges = &constants;
     VkPipelineLayout layout = VK_NULL_HANDLE;
     check(vkCreatePipelineLayout(device, &info, nullptr, &layout));
     return {device, layout};
 }
 
-ShaderModule makeModule(const Device& device, std::span<const std::uint32_t> code) {
+ShaderModule makeShaderModule(const Device& device, std::span<const std::uint32_t> code) {
     VkShaderModuleCreateInfo info{};
     info.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO;
     info.codeSize = code.size_bytes();
@@ -33,8 +30,17 @@ ShaderModule makeModule(const Device& device, std::span<const std::uint32_t> cod
     return {device, module};
 }
 
+namespace {
+
 VkDescriptorType typeOf(Binding binding) {
-    return binding == Binding::texels ? VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER : VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+    switch (binding) {
+    case Binding::texels:
+        return VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER;
+    case Binding::sampled:
+        return VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER;
+    default:
+        return VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+    }
 }
 
 } // namespace
@@ -48,8 +54,8 @@ ComputePipeline makeComputePipeline(const Device& device, std::span<const std::u
     const VkSpecializationInfo constants{static_cast<std::uint32_t>(entries.size()), entries.data(),
                                          specialisation.size_bytes(), specialisation.data()};
 
-    const ShaderModule module = makeModule(device, code);
-    ComputePipeline made{makeLayout(device, sets, pushConstantBytes), {}};
+    const ShaderModule module = makeShaderModule(device, code);
+    ComputePipeline made{makePipelineLayout(device, sets, {VK_SHADER_STAGE_COMPUTE_BIT, 0, pushConstantBytes}), {}};
     VkComputePipelineCreateInfo info{};
     info.sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO;
     info.stage.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO;
@@ -64,10 +70,10 @@ ComputePipeline makeComputePipeline(const Device& device, std::span<const std::u
     return made;
 }
 
-DescriptorSetLayout makeSetLayout(const Device& device, std::span<const Binding> bindings) {
+DescriptorSetLayout makeSetLayout(const Device& device, std::span<const Binding> bindings, VkShaderStageFlags stages) {
     std::vector<VkDescriptorSetLayoutBinding> all;
     for (std::size_t i = 0; i < bindings.size(); ++i)
-        all.push_back({static_cast<std::uint32_t>(i), typeOf(bindings[i]), 1, VK_SHADER_STAGE_COMPUTE_BIT, nullptr});
+        all.push_back({static_cast<std::uint32_t>(i), typeOf(bindings[i]), 1, stages, nullptr});
     VkDescriptorSetLayoutCreateInfo info{};
     info.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO;
     info.bindingCount = static_cast<std::uint32_t>(all.size());
@@ -91,22 +97,25 @@ DescriptorPool makeSetPool(const Device& device, std::size_t sets, std::span<con
     return {device, pool};
 }
 
-void rebind(const Device& device, VkDescriptorSet set, std::uint32_t binding, const Bound& buffer) {
-    const bool isTexels = buffer.texels != VK_NULL_HANDLE;
-    const VkDescriptorBufferInfo whole{buffer.buffer, 0, VK_WHOLE_SIZE};
+void rebind(const Device& device, VkDescriptorSet set, std::uint32_t binding, const Bound& bound) {
+    const VkDescriptorBufferInfo whole{bound.buffer, 0, VK_WHOLE_SIZE};
+    const VkDescriptorImageInfo image{bound.sampler, bound.image, bound.imageLayout};
     VkWriteDescriptorSet write{};
     write.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET;
     write.dstSet = set;
     write.dstBinding = binding;
     write.descriptorCount = 1;
-    write.descriptorType = typeOf(isTexels ? Binding::texels : Binding::storage);
+    write.descriptorType = typeOf(bound.image != VK_NULL_HANDLE    ? Binding::sampled
+                                  : bound.texels != VK_NULL_HANDLE ? Binding::texels
+                                                                   : Binding::storage);
     write.pBufferInfo = &whole;
-    write.pTexelBufferView = &buffer.texels;
+    write.pTexelBufferView = &bound.texels;
+    write.pImageInfo = &image;
     vkUpdateDescriptorSets(device, 1, &write, 0, nullptr);
 }
 
 VkDescriptorSet allocateSet(const Device& device, VkDescriptorPool pool, VkDescriptorSetLayout layout,
-                            std::span<const Bound> buffers) {
+                            std::span<const Bound> bound) {
     VkDescriptorSetAllocateInfo allocate{};
     allocate.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO;
     allocate.descriptorPool = pool;
@@ -115,8 +124,8 @@ VkDescriptorSet allocateSet(const Device& device, VkDescriptorPool pool, VkDescr
     VkDescriptorSet set = VK_NULL_HANDLE;
     check(vkAllocateDescriptorSets(device, &allocate, &set));
 
-    for (std::size_t i = 0; i < buffers.size(); ++i)
-        rebind(device, set, static_cast<std::uint32_t>(i), buffers[i]);
+    for (std::size_t i = 0; i < bound.size(); ++i)
+        rebind(device, set, static_cast<std::uint32_t>(i), bound[i]);
     return set;
 }
 

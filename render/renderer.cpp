@@ -27,6 +27,7 @@ constexpr Barrier kAfterLastFrame{kCompute | kTransfer, kRead | kWrite | VK_ACCE
                                   kTransfer | kCompute, VK_ACCESS_TRANSFER_WRITE_BIT | kRead | kWrite};
 constexpr Barrier kAfterClear{kTransfer, VK_ACCESS_TRANSFER_WRITE_BIT, kCompute, kRead | kWrite};
 constexpr Barrier kAfterWarp{kCompute, kRead | kWrite, kCompute, kRead};
+constexpr Barrier kBeforeMerge{kCompute, kRead | kWrite, kCompute, kRead | kWrite};
 constexpr Barrier kAfterResolve{kCompute, kWrite, VK_PIPELINE_STAGE_HOST_BIT | kTransfer,
                                 VK_ACCESS_HOST_READ_BIT | VK_ACCESS_TRANSFER_READ_BIT};
 
@@ -38,7 +39,7 @@ constexpr Barrier kAfterKeeping{kTransfer, VK_ACCESS_TRANSFER_WRITE_BIT, VK_PIPE
 } // namespace
 
 Renderer::Renderer(const Device& device, const GpuScene& scene, int width, int height, int eyes,
-                   const GpuCoverage* coverage)
+                   const GpuCoverage* coverage, const GpuPolygons* polygons)
     : device_(device), scene_(scene), width_(width), height_(height),
       eyeLayout_(makeEyeLayout(device)), warps_{makeWarpPass(device, Warp::points, scene.pageLayout(), eyeLayout_),
                                                 makeWarpPass(device, Warp::mesh, scene.pageLayout(), eyeLayout_),
@@ -48,8 +49,9 @@ Renderer::Renderer(const Device& device, const GpuScene& scene, int width, int h
       resolve_(makeResolvePass(device, eyeLayout_)), rescale_(makeRescalePass(device)),
       depthPass_(makeDepthPass(device)), overlay_(makeOverlayPass(device, eyeLayout_)), coverage_(coverage),
       unseen_(coverage != nullptr ? makeUnseenPipeline(device, *coverage, eyeLayout_) : ComputePipeline{}),
-      streams_(device, eyes) {
+      polygons_(polygons), streams_(device, eyes) {
     assert(width > 0 && height > 0 && eyes >= 1 && eyes <= kMaxEyes);
+    if (polygons != nullptr) polygonPass_ = makePolygonPass(device, *polygons, eyeLayout_);
     for (int eye = 0; eye < eyes; ++eye)
         eyes_.push_back({.target = makeEyeTarget(device, eyeLayout_, width, height),
                          .timers = {StepTimer(device), StepTimer(device)}});
@@ -95,6 +97,7 @@ FrameStats Renderer::draw(std::span<const scene::View> views, const Quality& qua
         counts.tilesDrawn = eye.list.tiles;
         counts.samplesDrawn = eye.list.items;
         counts.samplesBlended = quality.isBlended ? eye.blendList.items : 0;
+        counts.trianglesDrawn = eye.trianglesDrawn;
         counts.overlayStrokes = static_cast<std::uint32_t>(eye.overlay.strokes.size());
         counts.overlayDropped = eye.overlay.dropped;
     }
@@ -109,21 +112,33 @@ void Renderer::chooseResolution(const Quality& quality) {
               height = scaledSide(height_, quality.resolutionScale);
     // Room for the eye's own size at least: whoever trades resolution for speed changes it again and again.
     const int roomWidth = std::max(width, width_), roomHeight = std::max(height, height_);
-    const std::size_t room = static_cast<std::size_t>(roomWidth) * static_cast<std::size_t>(roomHeight);
     const bool isScaled = width != width_ || height != height_;
     for (Eye& eye : eyes_) {
         eye.isScaled = isScaled, eye.warpWidth = width, eye.warpHeight = height;
-        if (quality.isBlended && (!eye.blend || eye.blend->pixels < room)) {
-            for (std::size_t slot = 0; slot < kFramesInFlight; ++slot)
-                streams_.wait(slot); // the one that goes may be in use
-            eye.blend.reset();
-            eye.blend = makeBlendTarget(device_, blend_, room, kFirstBlendDraws);
-        }
-        if (!isScaled || (eye.scaled && eye.scaled->pixels >= room)) continue;
-        for (std::size_t slot = 0; slot < kFramesInFlight; ++slot)
-            streams_.wait(slot); // the one that goes may be in use
+        makeTargets(eye, quality, roomWidth, roomHeight);
+    }
+}
+
+void Renderer::makeTargets(Eye& eye, const Quality& quality, int roomWidth, int roomHeight) {
+    const std::size_t room = static_cast<std::size_t>(roomWidth) * static_cast<std::size_t>(roomHeight);
+    const bool needsBlend = quality.isBlended && (!eye.blend || eye.blend->pixels < room),
+               needsScaled = eye.isScaled && (!eye.scaled || eye.scaled->pixels < room),
+               needsPolygons = polygonPass_ && (!eye.polygons || eye.polygons->colours.width < roomWidth ||
+                                                eye.polygons->colours.height < roomHeight);
+    if (!needsBlend && !needsScaled && !needsPolygons) return;
+    for (std::size_t slot = 0; slot < kFramesInFlight; ++slot)
+        streams_.wait(slot); // what goes may be in use
+    if (needsBlend) {
+        eye.blend.reset();
+        eye.blend = makeBlendTarget(device_, blend_, room, kFirstBlendDraws);
+    }
+    if (needsScaled) {
         eye.scaled.reset();
         eye.scaled = makeScaledTarget(device_, rescale_, eyeLayout_, eye.target, roomWidth, roomHeight);
+    }
+    if (needsPolygons) {
+        eye.polygons.reset();
+        eye.polygons = makePolygonTarget(device_, *polygonPass_, roomWidth, roomHeight);
     }
 }
 
@@ -216,6 +231,11 @@ void Renderer::recordCommands(Eye& eye, const scene::View& view, const Quality& 
         record(commands, kAfterWarp);
         timer.mark(commands, "warp");
 
+        if (polygonPass_) {
+            recordPolygonsInto(commands, eye, view, eyeSet);
+            timer.mark(commands, "polygons");
+        }
+
         if (quality.isBlended) {
             recordBlend(commands, blend_, scene_, eyeSet, *eye.blend, slot, eye.blendList.runs, eye.warpWidth,
                         eye.warpHeight);
@@ -263,6 +283,14 @@ void Renderer::recordCommands(Eye& eye, const scene::View& view, const Quality& 
             timer.mark(commands, "depth");
         }
     });
+}
+
+void Renderer::recordPolygonsInto(VkCommandBuffer commands, Eye& eye, const scene::View& view, VkDescriptorSet eyeSet) {
+    const scene::View warped{scene::resized(view.camera, eye.warpWidth, eye.warpHeight), view.worldFromEye};
+    eye.trianglesDrawn = recordPolygons(commands, *polygonPass_, *polygons_, *eye.polygons, warped);
+    record(commands, kBeforeMerge);
+    recordPolygonMerge(commands, *polygonPass_, *eye.polygons, eyeSet, eye.warpWidth, eye.warpHeight);
+    record(commands, kAfterWarp);
 }
 
 void Renderer::recordKeeping(VkCommandBuffer commands, Eye& eye, std::size_t slot) const {

@@ -17,6 +17,7 @@
 #include "render/timing.h"
 #include "render/warp/blend_pass.h"
 #include "render/warp/occlusion_pass.h"
+#include "render/warp/polygon_pass.h"
 #include "render/warp/warp_pass.h"
 #include "scene/view.h"
 
@@ -32,14 +33,15 @@ struct EyeCounts {
     std::uint32_t tilesTested = 0, tilesRejected = 0, tilesDrawn = 0;
     std::uint64_t samplesDrawn = 0;   ///< points, or squares of the mesh
     std::uint64_t samplesBlended = 0; ///< of the second pass, if there was one
+    std::uint64_t trianglesDrawn = 0; ///< of ordinary polygons
     std::uint32_t overlayStrokes = 0, overlayDropped = 0;
 };
 
 struct FrameStats {
     std::uint64_t frame = 0;
     std::vector<StepTime> cpu; ///< wait, cull, choose, list, overlay, record, submit
-    std::vector<StepTime> gpu; ///< clear, warp, blend, resolve, unseen, rescale, overlay; of the frame gpuFrame, empty
-                               ///< while none has finished
+    std::vector<StepTime> gpu; ///< clear, warp, polygons, blend, resolve, unseen, rescale, overlay; of the frame
+                               ///< gpuFrame, empty while none has finished
     std::uint64_t gpuFrame = 0;
     std::array<EyeCounts, kMaxEyes> eyes{};
 };
@@ -49,9 +51,10 @@ struct FrameStats {
 class Renderer {
   public:
     /// Throws scene::Failure if the device cannot hold or see images of that size.
-    /// coverage: what was observed, if that is known; must outlive the renderer, too.
+    /// coverage: what was observed, if that is known; polygons: what stands in the scene besides, or none. Both must
+    /// outlive the renderer, too.
     Renderer(const Device& device, const GpuScene& scene, int width, int height, int eyes,
-             const GpuCoverage* coverage = nullptr);
+             const GpuCoverage* coverage = nullptr, const GpuPolygons* polygons = nullptr);
 
     /// Sends a frame to the device. Waits only for the frame two before. The cameras must have the renderer's
     /// size. outputs: where the finished eyes are copied to, one each, or none.
@@ -94,7 +97,9 @@ class Renderer {
         VisibleTiles visible{};
         DrawList list{};
         BlendList blendList{};
-        std::optional<BlendTarget> blend{}; ///< made when first wanted
+        std::optional<BlendTarget> blend{};      ///< made when first wanted
+        std::optional<PolygonTarget> polygons{}; ///< where there are any
+        std::uint64_t trianglesDrawn = 0;
         std::vector<StepTime> times{};
         std::array<Buffer, kFramesInFlight> kept{}; ///< copies of the colours; made when first wanted
         std::optional<DepthBuffers> depth{};        ///< made when first wanted
@@ -102,6 +107,9 @@ class Renderer {
         std::array<OverlayBuffers, kFramesInFlight> overlayBuffers{}; ///< made when first wanted
     };
     void chooseResolution(const Quality& quality);
+    /// What is warped into has room for so many pixels a side.
+    void makeTargets(Eye& eye, const Quality& quality, int roomWidth, int roomHeight);
+    void recordPolygonsInto(VkCommandBuffer commands, Eye& eye, const scene::View& view, VkDescriptorSet eyeSet);
     void choose(Eye& eye, const scene::View& view, const Quality& quality, int index);
     /// For what was chosen; waits for the device where there is not enough.
     void makeRoom(const Quality& quality);
@@ -126,6 +134,8 @@ class Renderer {
     OverlayPass overlay_;
     const GpuCoverage* coverage_;
     ComputePipeline unseen_; ///< where there is coverage
+    const GpuPolygons* polygons_;
+    std::optional<PolygonPass> polygonPass_;
     std::vector<Eye> eyes_;
     std::uint64_t frames_ = 0; ///< drawn so far
     bool keepsNext_ = false;

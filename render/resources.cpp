@@ -61,9 +61,8 @@ Buffer::Buffer(const Device& device, VkDeviceSize size, VkBufferUsageFlags usage
     }
 }
 
-Buffer uploadTexels(const Device& device, std::span<const std::byte> bytes) {
-    Buffer target(device, bytes.size(), VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT,
-                  MemoryUse::onDevice);
+Buffer upload(const Device& device, std::span<const std::byte> bytes, VkBufferUsageFlags usage) {
+    Buffer target(device, bytes.size(), usage | VK_BUFFER_USAGE_TRANSFER_DST_BIT, MemoryUse::onDevice);
     if (target.mapped() != nullptr) {
         std::memcpy(target.mapped(), bytes.data(), bytes.size());
         return target;

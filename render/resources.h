@@ -42,8 +42,8 @@ class Buffer {
     std::byte* mapped_ = nullptr;
 };
 
-/// A buffer of texels on the device that holds these bytes (at least one texel). Waits until they are there.
-Buffer uploadTexels(const Device& device, std::span<const std::byte> bytes);
+/// A buffer on the device that holds these bytes (at least one). Waits until they are there.
+Buffer upload(const Device& device, std::span<const std::byte> bytes, VkBufferUsageFlags usage);
 
 /// A texel: two 32-bit numbers. All that tiles hold is counted in texels: a vertex, a square or a colour is one, a
 /// facet two.

@@ -16,6 +16,7 @@ revisit_test(revisit_render_tests LABELS gpu LINKS revisit_render_scenes TBB::tb
         render/oracle_test.cpp
         render/overlay_test.cpp
         render/points_test.cpp
+        render/polygons_test.cpp
         render/reference.cpp
         render/rescale_test.cpp
         render/selection_test.cpp

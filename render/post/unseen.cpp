@@ -71,7 +71,7 @@ GpuCoverage::GpuCoverage(const Device& device, const scene::Coverage& coverage)
         throw scene::Failure("coverage takes " + std::to_string(texels.size()) + " texels, more than the " +
                                  std::to_string(device.limits().maxTexelBufferElements) + " a shader can read",
                              device.name(), "choose another device, or draw with --hide-unseen");
-    nodes_ = uploadTexels(device, std::as_bytes(std::span(texels)));
+    nodes_ = upload(device, std::as_bytes(std::span(texels)), VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT);
     view_ = makeTexelView(device, nodes_);
     pool_ = makeSetPool(device, 1, kBindings);
     set_ = allocateSet(device, pool_, layout_, std::array<Bound, 1>{{{nodes_.handle(), view_}}});

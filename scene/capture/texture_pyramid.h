@@ -2,7 +2,7 @@
 // Textures halved again and again, so that a pixel far away gets the mean of what it covers. L. Williams, "Pyramidal
 // parametrics", 1983; several looks along the longer side of a slanted pixel's footprint, as graphics cards do.
 
-#include "scene/import/polygons.h"
+#include "scene/polygon_scene.h"
 
 #include <vector>
 

@@ -1,7 +1,7 @@
 #pragma once
 // Rays into a polygon scene, by Embree, with the hit computed again in double precision.
 
-#include "scene/import/polygons.h"
+#include "scene/polygon_scene.h"
 #include "scene/sight_lines.h"
 
 #include <memory>

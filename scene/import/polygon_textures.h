@@ -1,7 +1,7 @@
 #pragma once
 // The pictures on polygons: each file is read once, and what cannot be read is told once.
 
-#include "scene/import/polygons.h"
+#include "scene/polygon_scene.h"
 
 #include <map>
 

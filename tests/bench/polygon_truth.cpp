@@ -7,6 +7,7 @@
 #include "scene/capture/polygon_view.h"
 #include "scene/capture/spread_positions.h"
 #include "scene/errors.h"
+#include "scene/import/polygons.h"
 
 #include <cmath>
 #include <cstdio>

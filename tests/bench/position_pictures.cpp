@@ -6,6 +6,7 @@
 #include "scene/refine/skins.h"
 #include "scene/warp.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <random>
@@ -90,11 +91,14 @@ PictureQuality PositionPictures::qualityOf(std::span<const glm::dvec3> positions
                    1 - static_cast<double>(errors.seen) / static_cast<double>(pixels)};
     });
     PictureQuality mean;
-    const auto views = static_cast<double>(views_.size());
+    double viewsWithAny = 0;
     for (const PictureQuality& one : each) {
-        mean.psnrSeen += one.psnrSeen / views;
-        mean.psnrAll += one.psnrAll / views;
-        mean.holeShare += one.holeShare / views;
+        mean.psnrAll += one.psnrAll / static_cast<double>(views_.size());
+        mean.holeShare += one.holeShare / static_cast<double>(views_.size());
+        if (one.holeShare == 1) continue;
+        mean.psnrSeen += one.psnrSeen;
+        ++viewsWithAny;
     }
+    mean.psnrSeen /= std::max(viewsWithAny, 1.0);
     return mean;
 }

@@ -13,7 +13,7 @@
 
 /// Over fixed views, each drawn as a mesh by the images of its walk cell (skins cut where disparity jumps).
 struct PictureQuality {
-    double psnrSeen = 0; ///< dB, mean over the views, over pixels that were drawn
+    double psnrSeen = 0; ///< dB, mean over the views of which anything was drawn, over pixels that were
     double psnrAll = 0;  ///< over all; black where nothing was drawn
     double holeShare = 0;
 };

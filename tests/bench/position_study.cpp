@@ -9,6 +9,7 @@
 #include "scene/capture/depth_view.h"
 #include "scene/capture/spread_positions.h"
 #include "scene/errors.h"
+#include "scene/import/polygons.h"
 #include "scene/plan/position_search.h"
 #include "scene/plan/sight_search.h"
 

@@ -1,0 +1,53 @@
+#ifndef RENDER_SHADERS_SHARED_POLYGONS_H
+#define RENDER_SHADERS_SHARED_POLYGONS_H
+// Ordinary polygons beside images: their light, and how they meet the z-buffer of the warps (Nyland et al. 1999,
+// section 5: image-based and polygon rendering share a z-buffer).
+//
+// They are drawn by the device's own rasteriser into a picture of colours and of near / z, which is then merged with
+// the keys of the warped samples. Merged, not drawn into them: the order of keys is pushed back for samples that were
+// taken from afar (scene/preference.h), and a polygon must be compared with where they truly are.
+
+#include "render/shaders/shared/z_key.h"
+
+SHARED_BEGIN
+
+/// Nothing nearer to the eye is drawn, metres. Depth is kPolygonNear / z.
+SHARED_CONSTANT float kPolygonNear = 0.01f;
+
+struct PolygonConstants {
+    mat4 clipFromMesh;
+    vec4 upFromNormal; ///< its dot product with a vertex's normal says how much of it faces up, -1 to 1, times length
+    vec4 colour;       ///< of the material, linear; and below which alpha there is no surface
+};
+
+struct PolygonMergeConstants {
+    int width; ///< pixels; a workgroup merges one row
+};
+
+#ifdef __cplusplus
+static_assert(sizeof(PolygonConstants) == 96 && sizeof(PolygonMergeConstants) == 4);
+#endif
+
+/// Light of an even sky: the same from everywhere, and for both eyes. facingUp: -1 to 1.
+SHARED_FUNCTION float skyLight(float facingUp) {
+    return 0.725f + 0.275f * facingUp;
+}
+
+/// One channel of a colour, linear to sRGB, 0 to 1.
+SHARED_FUNCTION float encodedChannel(float linear) {
+    float c = clamp(linear, 0.0f, 1.0f);
+    return c <= 0.0031308f ? 12.92f * c : 1.055f * pow(c, 1.0f / 2.4f) - 0.055f;
+}
+
+/// What a pixel of the z-buffer becomes where a polygon stands before it; else it stays. depth: near / z, 0 where there
+/// is no polygon. colour: r | g << 8 | b << 16. What was not measured is of class filled.
+SHARED_FUNCTION uvec2 mergedKey(uvec2 key, float depth, uint colour) {
+    PRECISE float disparity = depth / kPolygonNear;
+    if (disparity <= 0.0f) return key;
+    if ((key.x & 3u) != kClassBackground && eyeDisparityOf(key) >= disparity) return key;
+    return packKey(disparity, colour, kClassFilled);
+}
+
+SHARED_END
+
+#endif

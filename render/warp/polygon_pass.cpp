@@ -1,0 +1,284 @@
+#include "render/warp/polygon_pass.h"
+
+#include "render/check.h"
+#include "render/device.h"
+#include "render/shaders/shared/polygons.h"
+
+#include "spirv/polygon_merge.comp.h"
+#include "spirv/polygons.frag.h"
+#include "spirv/polygons.vert.h"
+
+#include <array>
+#include <cstddef>
+
+#include <glm/matrix.hpp>
+
+namespace render {
+
+namespace {
+
+constexpr VkFormat kColourFormat = VK_FORMAT_R8G8B8A8_UNORM, kDepthFormat = VK_FORMAT_D32_SFLOAT;
+constexpr VkImageLayout kReadDepth = VK_IMAGE_LAYOUT_DEPTH_STENCIL_READ_ONLY_OPTIMAL;
+
+VkAttachmentDescription attachmentOf(VkFormat format, VkImageLayout finalLayout) {
+    VkAttachmentDescription attachment{};
+    attachment.format = format;
+    attachment.samples = VK_SAMPLE_COUNT_1_BIT;
+    attachment.loadOp = VK_ATTACHMENT_LOAD_OP_CLEAR;
+    attachment.storeOp = VK_ATTACHMENT_STORE_OP_STORE;
+    attachment.stencilLoadOp = VK_ATTACHMENT_LOAD_OP_DONT_CARE;
+    attachment.stencilStoreOp = VK_ATTACHMENT_STORE_OP_DONT_CARE;
+    attachment.initialLayout = VK_IMAGE_LAYOUT_UNDEFINED;
+    attachment.finalLayout = finalLayout;
+    return attachment;
+}
+
+/// The picture of the frame before has been merged when this one is cleared, and is whole when it is merged.
+RenderPass makeRenderPass(const Device& device) {
+    const std::array attachments{attachmentOf(kColourFormat, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL),
+                                 attachmentOf(kDepthFormat, kReadDepth)};
+    const VkAttachmentReference colour{0, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL},
+        depth{1, VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL};
+    VkSubpassDescription subpass{};
+    subpass.pipelineBindPoint = VK_PIPELINE_BIND_POINT_GRAPHICS;
+    subpass.colorAttachmentCount = 1;
+    subpass.pColorAttachments = &colour;
+    subpass.pDepthStencilAttachment = &depth;
+
+    constexpr VkPipelineStageFlags kDrawing = VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT |
+                                              VK_PIPELINE_STAGE_EARLY_FRAGMENT_TESTS_BIT |
+                                              VK_PIPELINE_STAGE_LATE_FRAGMENT_TESTS_BIT;
+    constexpr VkAccessFlags kWrites = VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT |
+                                      VK_ACCESS_DEPTH_STENCIL_ATTACHMENT_READ_BIT |
+                                      VK_ACCESS_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT;
+    const std::array<VkSubpassDependency, 2> dependencies{
+        {{VK_SUBPASS_EXTERNAL, 0, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | kDrawing, kDrawing,
+          VK_ACCESS_SHADER_READ_BIT | kWrites, kWrites, 0},
+         {0, VK_SUBPASS_EXTERNAL, kDrawing, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, kWrites, VK_ACCESS_SHADER_READ_BIT,
+          0}}};
+    VkRenderPassCreateInfo info{};
+    info.sType = VK_STRUCTURE_TYPE_RENDER_PASS_CREATE_INFO;
+    info.attachmentCount = attachments.size();
+    info.pAttachments = attachments.data();
+    info.subpassCount = 1;
+    info.pSubpasses = &subpass;
+    info.dependencyCount = dependencies.size();
+    info.pDependencies = dependencies.data();
+    VkRenderPass renderPass = VK_NULL_HANDLE;
+    check(vkCreateRenderPass(device, &info, nullptr, &renderPass));
+    return {device, renderPass};
+}
+
+VkPipelineShaderStageCreateInfo stageOf(VkShaderStageFlagBits stage, VkShaderModule module) {
+    VkPipelineShaderStageCreateInfo info{};
+    info.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO;
+    info.stage = stage;
+    info.module = module;
+    info.pName = "main";
+    return info;
+}
+
+Pipeline makeDrawingPipeline(const Device& device, VkPipelineLayout layout, VkRenderPass renderPass) {
+    const ShaderModule vertex = makeShaderModule(device, kPolygonsVertexCode),
+                       fragment = makeShaderModule(device, kPolygonsFragmentCode);
+    const std::array stages{stageOf(VK_SHADER_STAGE_VERTEX_BIT, vertex),
+                            stageOf(VK_SHADER_STAGE_FRAGMENT_BIT, fragment)};
+
+    const VkVertexInputBindingDescription binding{0, sizeof(PolygonVertex), VK_VERTEX_INPUT_RATE_VERTEX};
+    const std::array<VkVertexInputAttributeDescription, 4> attributes{
+        {{0, 0, VK_FORMAT_R32G32B32_SFLOAT, offsetof(PolygonVertex, position)},
+         {1, 0, VK_FORMAT_R8G8B8A8_SNORM, offsetof(PolygonVertex, normal)},
+         {2, 0, VK_FORMAT_R32G32_SFLOAT, offsetof(PolygonVertex, texturePlace)},
+         {3, 0, VK_FORMAT_R16G16B16A16_SFLOAT, offsetof(PolygonVertex, colour)}}};
+    VkPipelineVertexInputStateCreateInfo input{};
+    input.sType = VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO;
+    input.vertexBindingDescriptionCount = 1;
+    input.pVertexBindingDescriptions = &binding;
+    input.vertexAttributeDescriptionCount = attributes.size();
+    input.pVertexAttributeDescriptions = attributes.data();
+
+    VkPipelineInputAssemblyStateCreateInfo assembly{};
+    assembly.sType = VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO;
+    assembly.topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;
+    VkPipelineViewportStateCreateInfo viewport{};
+    viewport.sType = VK_STRUCTURE_TYPE_PIPELINE_VIEWPORT_STATE_CREATE_INFO;
+    viewport.viewportCount = viewport.scissorCount = 1;
+    // Seen from behind a triangle is drawn as well, as images of it show it.
+    VkPipelineRasterizationStateCreateInfo raster{};
+    raster.sType = VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO;
+    raster.lineWidth = 1;
+    VkPipelineMultisampleStateCreateInfo samples{};
+    samples.sType = VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO;
+    samples.rasterizationSamples = VK_SAMPLE_COUNT_1_BIT;
+    VkPipelineDepthStencilStateCreateInfo depth{};
+    depth.sType = VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO;
+    depth.depthTestEnable = depth.depthWriteEnable = VK_TRUE;
+    depth.depthCompareOp = VK_COMPARE_OP_GREATER;
+    VkPipelineColorBlendAttachmentState colour{};
+    colour.colorWriteMask =
+        VK_COLOR_COMPONENT_R_BIT | VK_COLOR_COMPONENT_G_BIT | VK_COLOR_COMPONENT_B_BIT | VK_COLOR_COMPONENT_A_BIT;
+    VkPipelineColorBlendStateCreateInfo blend{};
+    blend.sType = VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO;
+    blend.attachmentCount = 1;
+    blend.pAttachments = &colour;
+    const std::array dynamicStates{VK_DYNAMIC_STATE_VIEWPORT, VK_DYNAMIC_STATE_SCISSOR};
+    VkPipelineDynamicStateCreateInfo dynamic{};
+    dynamic.sType = VK_STRUCTURE_TYPE_PIPELINE_DYNAMIC_STATE_CREATE_INFO;
+    dynamic.dynamicStateCount = dynamicStates.size();
+    dynamic.pDynamicStates = dynamicStates.data();
+
+    VkGraphicsPipelineCreateInfo info{};
+    info.sType = VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO;
+    info.stageCount = stages.size();
+    info.pStages = stages.data();
+    info.pVertexInputState = &input;
+    info.pInputAssemblyState = &assembly;
+    info.pViewportState = &viewport;
+    info.pRasterizationState = &raster;
+    info.pMultisampleState = &samples;
+    info.pDepthStencilState = &depth;
+    info.pColorBlendState = &blend;
+    info.pDynamicState = &dynamic;
+    info.layout = layout;
+    info.renderPass = renderPass;
+    VkPipeline pipeline = VK_NULL_HANDLE;
+    check(vkCreateGraphicsPipelines(device, VK_NULL_HANDLE, 1, &info, nullptr, &pipeline));
+    return {device, pipeline};
+}
+
+constexpr std::array kPictures{Binding::sampled, Binding::sampled};
+constexpr VkShaderStageFlags kDrawingStages = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT;
+
+void begin(VkCommandBuffer commands, const PolygonPass& pass, const PolygonTarget& target,
+           const scene::Camera& camera) {
+    const VkRect2D area{{0, 0}, {static_cast<std::uint32_t>(camera.width), static_cast<std::uint32_t>(camera.height)}};
+    const std::array<VkClearValue, 2> nothing{};
+    VkRenderPassBeginInfo info{};
+    info.sType = VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO;
+    info.renderPass = pass.renderPass;
+    info.framebuffer = target.framebuffer;
+    info.renderArea = area;
+    info.clearValueCount = nothing.size();
+    info.pClearValues = nothing.data();
+    vkCmdBeginRenderPass(commands, &info, VK_SUBPASS_CONTENTS_INLINE);
+    vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pass.pipeline);
+    const VkViewport viewport{0, 0, static_cast<float>(camera.width), static_cast<float>(camera.height), 0, 1};
+    vkCmdSetViewport(commands, 0, 1, &viewport);
+    vkCmdSetScissor(commands, 0, 1, &area);
+}
+
+} // namespace
+
+PolygonPass makePolygonPass(const Device& device, const GpuPolygons& polygons, VkDescriptorSetLayout eyeLayout) {
+    PolygonPass pass;
+    pass.renderPass = makeRenderPass(device);
+    pass.layout =
+        makePipelineLayout(device, std::array{polygons.textureLayout()}, {kDrawingStages, 0, sizeof(PolygonConstants)});
+    pass.pipeline = makeDrawingPipeline(device, pass.layout, pass.renderPass);
+    pass.pictureLayout = makeSetLayout(device, kPictures);
+    const std::uint32_t size = device.isProcessor() ? static_cast<std::uint32_t>(device.subgroupSize()) : 128;
+    pass.merge = makeComputePipeline(device, kPolygonMergeCode,
+                                     std::array<VkDescriptorSetLayout, 2>{eyeLayout, pass.pictureLayout},
+                                     sizeof(PolygonMergeConstants), std::array{size});
+    pass.sampler = makePixelSampler(device);
+    return pass;
+}
+
+PolygonTarget makePolygonTarget(const Device& device, const PolygonPass& pass, int width, int height) {
+    PolygonTarget target;
+    target.colours =
+        makeImage(device, width, height, kColourFormat,
+                  VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT, VK_IMAGE_ASPECT_COLOR_BIT);
+    target.depths =
+        makeImage(device, width, height, kDepthFormat,
+                  VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT, VK_IMAGE_ASPECT_DEPTH_BIT);
+    const std::array<VkImageView, 2> attachments{target.colours.view, target.depths.view};
+    VkFramebufferCreateInfo info{};
+    info.sType = VK_STRUCTURE_TYPE_FRAMEBUFFER_CREATE_INFO;
+    info.renderPass = pass.renderPass;
+    info.attachmentCount = attachments.size();
+    info.pAttachments = attachments.data();
+    info.width = static_cast<std::uint32_t>(width), info.height = static_cast<std::uint32_t>(height);
+    info.layers = 1;
+    VkFramebuffer framebuffer = VK_NULL_HANDLE;
+    check(vkCreateFramebuffer(device, &info, nullptr, &framebuffer));
+    target.framebuffer = {device, framebuffer};
+    target.pool = makeSetPool(device, 1, kPictures);
+    const std::array bound{Bound{.image = target.colours.view, .sampler = pass.sampler},
+                           Bound{.image = target.depths.view, .sampler = pass.sampler, .imageLayout = kReadDepth}};
+    target.set = allocateSet(device, target.pool, pass.pictureLayout, bound);
+    return target;
+}
+
+glm::dmat4 clipFromEye(const scene::Camera& camera) {
+    // Columns; clip x = (2 (fx X + cx Z) / width - Z), y likewise, z = near, w = Z.
+    glm::dmat4 clip(0.0);
+    clip[0][0] = 2 * camera.fx / camera.width;
+    clip[1][1] = 2 * camera.fy / camera.height;
+    clip[2][0] = 2 * camera.cx / camera.width - 1;
+    clip[2][1] = 2 * camera.cy / camera.height - 1;
+    clip[2][3] = 1;
+    clip[3][2] = kPolygonNear;
+    return clip;
+}
+
+bool isOutside(const glm::dmat4& clipFromBox, const glm::dvec3& low, const glm::dvec3& high) {
+    std::array<int, 5> beyond{};
+    for (int corner = 0; corner < 8; ++corner) {
+        const glm::dvec3 p((corner & 1) != 0 ? high.x : low.x, (corner & 2) != 0 ? high.y : low.y,
+                           (corner & 4) != 0 ? high.z : low.z);
+        const glm::dvec4 clip = clipFromBox * glm::dvec4(p, 1);
+        beyond[0] += clip.x<-clip.w, beyond[1] += clip.x> clip.w;
+        beyond[2] += clip.y<-clip.w, beyond[3] += clip.y> clip.w;
+        beyond[4] += clip.z > clip.w;
+    }
+    for (const int corners : beyond)
+        if (corners == 8) return true;
+    return false;
+}
+
+std::uint64_t recordPolygons(VkCommandBuffer commands, const PolygonPass& pass, const GpuPolygons& polygons,
+                             const PolygonTarget& target, const scene::View& view) {
+    begin(commands, pass, target, view.camera);
+    std::uint64_t triangles = 0;
+    if (!polygons.parts().empty()) {
+        constexpr VkDeviceSize kStart = 0;
+        const VkBuffer vertices = polygons.vertices();
+        vkCmdBindVertexBuffers(commands, 0, 1, &vertices, &kStart);
+        vkCmdBindIndexBuffer(commands, polygons.indices(), 0, VK_INDEX_TYPE_UINT32);
+    }
+    const glm::dmat4 clipFromTurned = clipFromEye(view.camera) * glm::dmat4(glm::transpose(view.worldFromEye.rotation));
+    VkDescriptorSet bound = VK_NULL_HANDLE;
+    for (const PolygonPart& part : polygons.parts()) {
+        // The positions are subtracted first, which is exact where they are near each other (scene/view.cpp); all is
+        // multiplied out in double precision and only then rounded.
+        glm::dmat4 aboutEyeFromMesh = part.worldFromMesh;
+        aboutEyeFromMesh[3] -= glm::dvec4(view.worldFromEye.translation, 0);
+        const glm::dmat4 clipFromMesh = clipFromTurned * aboutEyeFromMesh;
+        if (isOutside(clipFromMesh, part.low, part.high)) continue;
+        const VkDescriptorSet textures = polygons.texturesOf(part.material);
+        if (textures != bound)
+            vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pass.layout, 0, 1, &textures, 0,
+                                    nullptr);
+        bound = textures;
+        const PolygonConstants constants{glm::mat4(clipFromMesh), glm::vec4(glm::vec3(part.upFromNormal), 0),
+                                         polygons.colourOf(part.material)};
+        vkCmdPushConstants(commands, pass.layout, kDrawingStages, 0, sizeof constants, &constants);
+        vkCmdDrawIndexed(commands, part.indexCount, 1, part.firstIndex, static_cast<std::int32_t>(part.firstVertex), 0);
+        triangles += part.indexCount / 3;
+    }
+    vkCmdEndRenderPass(commands);
+    return triangles;
+}
+
+void recordPolygonMerge(VkCommandBuffer commands, const PolygonPass& pass, const PolygonTarget& target,
+                        VkDescriptorSet eyeSet, int width, int height) {
+    const PolygonMergeConstants constants{width};
+    const std::array sets{eyeSet, target.set};
+    vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pass.merge.pipeline);
+    vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pass.merge.layout, 0, 2, sets.data(), 0, nullptr);
+    vkCmdPushConstants(commands, pass.merge.layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof constants, &constants);
+    vkCmdDispatch(commands, static_cast<std::uint32_t>(height), 1, 1);
+}
+
+} // namespace render
