@@ -3,6 +3,7 @@
 
 #include "app/quality_file.h"
 
+#include <filesystem>
 #include <string>
 #include <utility>
 #include <vector>
@@ -13,6 +14,7 @@ struct DrawOptions {
     std::string quality = kDefaultPreset;                       ///< a preset, or a file of knobs
     std::vector<std::pair<std::string, nlohmann::json>> turned; ///< knobs of their own options: they win
     double eyeDistanceMetres = 0.063;
+    std::filesystem::path polygons;       ///< drawn with the scene; empty: none
     bool hideUnseen = false;              ///< space that nobody observed is shown as emptiness
     std::size_t memoryBytes = 8ull << 30; ///< what of the scene may be on the device at a time
 };

@@ -63,12 +63,13 @@ void FrameReport::add(const render::FrameStats& stats, double wallMilliseconds) 
         milliseconds_[stepName("cpu", time)].add(time.milliseconds);
     for (const render::StepTime& time : stats.gpu)
         milliseconds_[stepName("gpu", time)].add(time.milliseconds);
-    double tested = 0, rejected = 0, drawn = 0, samples = 0;
+    double tested = 0, rejected = 0, drawn = 0, samples = 0, triangles = 0;
     for (const render::EyeCounts& eye : stats.eyes) {
         tested += eye.tilesTested, rejected += eye.tilesRejected, drawn += eye.tilesDrawn;
         samples += static_cast<double>(eye.samplesDrawn);
+        triangles += static_cast<double>(eye.trianglesDrawn);
     }
-    tested_.add(tested), rejected_.add(rejected), drawn_.add(drawn), samples_.add(samples);
+    tested_.add(tested), rejected_.add(rejected), drawn_.add(drawn), samples_.add(samples), triangles_.add(triangles);
 }
 
 json FrameReport::summarise(const render::Device& device, const render::GpuScene& scene, json settings) const {
@@ -94,6 +95,7 @@ json FrameReport::summarise(const render::Device& device, const render::GpuScene
     report["tiles_rejected"] = rejected_.toJson();
     report["tiles_drawn"] = drawn_.toJson();
     report["samples_drawn"] = samples_.toJson();
+    report["triangles_drawn"] = triangles_.toJson();
     report["bytes_resident"] = scene.bytesResident();
     if (scene.isStreamed()) {
         const render::StreamCounts counts = scene.streamCounts();

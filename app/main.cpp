@@ -172,6 +172,9 @@ void addDrawOptions(CLI::App& command, app::DrawOptions& options) {
                 knob.does + ": " + knob.values)
             ->type_name("")
             ->group(group);
+    command.add_option("--polygons", options.polygons,
+                       "polygons (.gltf, .obj, ...) that stand in the scene, in its world coordinates, such as a model "
+                       "of what is missing; shown as filled, since nobody measured them");
     command.add_flag("--hide-unseen", options.hideUnseen,
                      "show space that no image ever observed as emptiness instead of dark stripes");
     command.add_option("--ipd", options.eyeDistanceMetres, "metres between the eyes")

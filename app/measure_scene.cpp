@@ -1,11 +1,11 @@
 #include "app/measure_scene.h"
 
+#include "app/drawn_scene.h"
 #include "app/frame_pictures.h"
 #include "app/frame_report.h"
 #include "app/governor.h"
 #include "app/measure_table.h"
 #include "app/progress.h"
-#include "app/scene_memory.h"
 #include "app/selection.h"
 #include "app/stage_store.h"
 #include "app/truth.h"
@@ -118,13 +118,12 @@ render::EyeImage sideBySide(const scene::Image<scene::Rgb8>& drawn, const scene:
 /// The scene where it is drawn.
 struct Drawn {
     const render::Device& device;
-    render::GpuScene& gpuScene;
-    const render::GpuCoverage* coverage;
+    const DeviceScene& scene;
     Selection& selection;
 
     void prepare(std::span<const scene::View> eyes, const render::Quality& quality) const {
-        gpuScene.showOnly(selection.choose(eyes, quality));
-        gpuScene.settle(eyes, quality);
+        scene.images->showOnly(selection.choose(eyes, quality));
+        scene.images->settle(eyes, quality);
     }
 };
 
@@ -140,7 +139,8 @@ void compare(const MeasureOptions& o, const std::vector<TruthSource>& truths, co
         const scene::Camera& camera = source.view.camera;
         if (!renderer || renderer->width() != camera.width || renderer->height() != camera.height) {
             renderer.reset();
-            renderer.emplace(on.device, on.gpuScene, camera.width, camera.height, 1, on.coverage);
+            renderer.emplace(on.device, *on.scene.images, camera.width, camera.height, 1, on.scene.coverage.get(),
+                             on.scene.polygons.get());
         }
         const scene::View view{camera, source.view.worldFromCamera};
         for (std::size_t i = 0; i < measured.size(); ++i) {
@@ -162,7 +162,8 @@ void compare(const MeasureOptions& o, const std::vector<TruthSource>& truths, co
 /// Every setting at every place, in turn, so that whatever else the machine does meets all of them alike.
 void time(const MeasureOptions& o, const std::vector<scene::Pose>& heads, const Drawn& on, const Plan& plan,
           std::vector<MeasuredSetting>& measured) {
-    render::Renderer renderer(on.device, on.gpuScene, o.width, o.height, 2, on.coverage);
+    render::Renderer renderer(on.device, *on.scene.images, o.width, o.height, 2, on.scene.coverage.get(),
+                              on.scene.polygons.get());
     std::vector<FrameReport> reports(measured.size());
     const scene::Camera camera = eyeCamera(o);
     const auto eyesAt = [&](const scene::Pose& head) {
@@ -188,7 +189,7 @@ void time(const MeasureOptions& o, const std::vector<scene::Pose>& heads, const 
         progress.advance();
     }
     for (std::size_t i = 0; i < measured.size(); ++i) {
-        const json summary = reports[i].summarise(on.device, on.gpuScene, json::object());
+        const json summary = reports[i].summarise(on.device, *on.scene.images, json::object());
         for (const char* field : {"frame_ms", "cpu_ms", "gpu_ms", "tiles_drawn", "samples_drawn"})
             measured[i].times[field] = summary.at(field);
         measured[i].medianMilliseconds = summary["frame_ms"]["median"];
@@ -245,15 +246,12 @@ void measureScene(const MeasureOptions& o) {
         throw scene::Failure("cannot be made (" + error.message() + ")", o.out, "check that the folder may be written");
 
     const render::Device device;
-    render::GpuScene gpuScene(device, scene.blocks, memoryFor(o.draw));
-    std::optional<render::GpuCoverage> unseen;
-    if (scene.coverage && !o.draw.hideUnseen) unseen.emplace(device, *scene.coverage);
-    const render::GpuCoverage* const coverage = unseen ? &*unseen : nullptr;
+    const DeviceScene onDevice = bringTo(device, DrawnScene(scene, o.draw));
     std::vector<MeasuredSetting> measured;
     for (const Preset& setting : plan.settings)
         measured.push_back({.name = setting.name, .quality = toJson(setting.quality)});
     Selection selection(scene);
-    const Drawn on{device, gpuScene, coverage, selection};
+    const Drawn on{device, onDevice, selection};
     compare(o, truths, on, plan, measured);
     time(o, heads, on, plan, measured);
 
@@ -270,7 +268,7 @@ void measureScene(const MeasureOptions& o) {
                       {"frames", o.frames},
                       {"ipd_m", o.draw.eyeDistanceMetres},
                       {"pictures", truths.size()},
-                      {"bytes_resident", gpuScene.bytesResident()},
+                      {"bytes_resident", onDevice.images->bytesResident()},
                       {"settings", toJson(all.first(plan.ladderStart))},
                       {"governor_rungs", toJson(all.subspan(plan.ladderStart))}};
     writeWhole(o.out / "report.json", report.dump(1, ' ', false, json::error_handler_t::replace) + "\n");

@@ -1,11 +1,12 @@
 #include "app/render_scene.h"
 
+#include "app/damage_teller.h"
 #include "app/device_trouble.h"
+#include "app/drawn_scene.h"
 #include "app/frame_pictures.h"
 #include "app/frame_report.h"
 #include "app/overlays.h"
 #include "app/progress.h"
-#include "app/scene_memory.h"
 #include "app/selection.h"
 #include "app/stage_store.h"
 #include "app/view_files.h"
@@ -50,15 +51,11 @@ std::vector<NamedView> listViews(const RenderOptions& o, const scene::Scene& sce
 /// The scene on a device, and a renderer of the pictures' size; made anew as a whole.
 class Canvas {
   public:
-    Canvas(const scene::Scene& scene, bool showsUnseen, const render::SceneMemory& memory)
-        : scene_(scene), showsUnseen_(showsUnseen), memory_(memory) {
-        make();
-    }
+    explicit Canvas(const DrawnScene& drawn) : drawn_(drawn) { make(); }
 
     void makeAnew() {
         renderer_.reset();
-        coverage_.reset();
-        gpuScene_.reset();
+        on_ = {};
         device_.reset();
         make();
     }
@@ -67,37 +64,34 @@ class Canvas {
         if (renderer_ && renderer_->width() == camera.width && renderer_->height() == camera.height) return *renderer_;
         renderer_.reset();
         const auto makeIt = [&] {
-            renderer_.emplace(*device_, *gpuScene_, camera.width, camera.height, eyes, coverage_.get());
+            renderer_.emplace(*device_, *on_.images, camera.width, camera.height, eyes, on_.coverage.get(),
+                              on_.polygons.get());
         };
         try {
             makeIt();
         } catch (const render::OutOfMemory& failure) {
-            if (!coverage_) throw;
+            if (!on_.coverage) throw;
             sayUnseenIsGivenUp(failure);
-            coverage_.reset();
+            on_.coverage.reset();
             makeIt();
         }
         return *renderer_;
     }
 
     const render::Device& device() const { return *device_; }
-    render::GpuScene& gpuScene() { return *gpuScene_; }
-    bool showsUnseen() const { return coverage_ != nullptr; }
+    render::GpuScene& gpuScene() { return *on_.images; }
+    bool showsUnseen() const { return on_.coverage != nullptr; }
 
   private:
     void make() {
         device_ = std::make_unique<render::Device>();
         sayPassedOver(*device_);
-        gpuScene_ = std::make_unique<render::GpuScene>(*device_, scene_.blocks, memory_);
-        if (showsUnseen_) coverage_ = makeCoverage(*device_, scene_);
+        on_ = bringTo(*device_, drawn_);
     }
 
-    const scene::Scene& scene_;
-    bool showsUnseen_;
-    render::SceneMemory memory_;
+    const DrawnScene& drawn_;
     std::unique_ptr<render::Device> device_;
-    std::unique_ptr<render::GpuScene> gpuScene_;
-    std::unique_ptr<render::GpuCoverage> coverage_;
+    DeviceScene on_;
     std::optional<render::Renderer> renderer_;
 };
 
@@ -121,7 +115,8 @@ void renderScene(const RenderOptions& options) {
     const std::vector<NamedView> views = listViews(options, scene);
     const int eyes = options.eyes > 0 ? options.eyes : options.path.empty() ? 1 : 2;
     const render::Quality quality = qualityOf(options.draw);
-    Canvas canvas(scene, quality.showUnseen, memoryFor(options.draw));
+    const DrawnScene drawnScene(scene, options.draw);
+    Canvas canvas(drawnScene);
     DamageTeller damage;
     Selection selection(scene);
     if (options.showsCells && !selection.hasCells())

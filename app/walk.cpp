@@ -95,8 +95,9 @@ bool Walk::isAskedToEnd() const {
 }
 
 Walk::Walk(const scene::Scene& scene, const WalkOptions& options, DeskSide* deskSide)
-    : scene_(scene), options_(options), deskSide_(deskSide), knobs_(knobsOf(options)),
+    : scene_(scene), drawnScene_(scene, options.draw), options_(options), deskSide_(deskSide), knobs_(knobsOf(options)),
       worldFromWalk_(inverse(scene.walkFromWorld)), record_(options), selection_(scene) {
+    drawnScene_.mayShowUnseen = true; // the walker may ask for it at any time
     if (options.framesPerSecond > 0 && options.holdsRate.value_or(!options.isHeadless))
         governed_.emplace(options.framesPerSecond);
     if (!options.path.empty()) path_ = pathOf(options.path, scene.walkFromWorld);
@@ -141,7 +142,7 @@ void Walk::drawSomehow(WalkStage& stage, xr::ViewSource& source, const xr::Frame
             // A headset's session ends with its device, and takes this frame along.
             if (stage.headset() != nullptr) throw;
             losses_.tell(loss);
-            stage.remakeDevice(scene_, memoryFor(options_.draw));
+            stage.remakeDevice(drawnScene_);
         }
     }
 }

@@ -3,10 +3,11 @@
 // the desk when the headset goes away, and in the headset when that comes back.
 
 #include "app/annotate.h"
+#include "app/damage_teller.h"
 #include "app/desk.h"
 #include "app/device_trouble.h"
+#include "app/drawn_scene.h"
 #include "app/governed_quality.h"
-#include "app/scene_memory.h"
 #include "app/selection.h"
 #include "app/walk_record.h"
 #include "app/walk_stage.h"
@@ -82,6 +83,7 @@ class Walk {
     nlohmann::json reportOf(const WalkStage& stage) const;
 
     const scene::Scene& scene_;
+    DrawnScene drawnScene_;
     const WalkOptions& options_;
     DeskSide* deskSide_;
     Knobs knobs_;

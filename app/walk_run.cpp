@@ -19,14 +19,14 @@ constexpr std::chrono::milliseconds kLookAgainAtDesk{2000};
 } // namespace
 
 WalkStage Walk::firstStage() {
-    if (options_.isHeadless) return WalkStage::headless(scene_, path_, options_);
-    if (options_.isAtDesk) return WalkStage::atDesk(scene_, deskSide_->desktop, memoryFor(options_.draw));
+    if (options_.isHeadless) return WalkStage::headless(drawnScene_, path_, options_);
+    if (options_.isAtDesk) return WalkStage::atDesk(drawnScene_, deskSide_->desktop);
     try {
-        return WalkStage::inHeadset(scene_, std::make_unique<xr::Runtime>(), memoryFor(options_.draw));
+        return WalkStage::inHeadset(drawnScene_, std::make_unique<xr::Runtime>());
     } catch (const std::exception& e) {
         if (deskSide_ == nullptr) throw;
         say("no headset yet: " + std::string(e.what()));
-        return WalkStage::atDesk(scene_, deskSide_->desktop, memoryFor(options_.draw));
+        return WalkStage::atDesk(drawnScene_, deskSide_->desktop);
     }
 }
 
@@ -57,15 +57,15 @@ bool Walk::change(Outcome outcome, std::optional<WalkStage>& stage) {
                     : "the headset is gone; walking on at the desk until it is back");
         stage.reset();
         if (isAlone) return waitForHeadset(stage);
-        stage.emplace(WalkStage::atDesk(scene_, deskSide_->desktop, memoryFor(options_.draw)));
+        stage.emplace(WalkStage::atDesk(drawnScene_, deskSide_->desktop));
         return true;
     }
     stage.reset();
     try {
-        stage.emplace(WalkStage::inHeadset(scene_, std::move(found_), memoryFor(options_.draw)));
+        stage.emplace(WalkStage::inHeadset(drawnScene_, std::move(found_)));
     } catch (const std::exception&) {
         // It went away again at once.
-        stage.emplace(WalkStage::atDesk(scene_, deskSide_->desktop, memoryFor(options_.draw)));
+        stage.emplace(WalkStage::atDesk(drawnScene_, deskSide_->desktop));
     }
     return true;
 }
@@ -73,20 +73,20 @@ bool Walk::change(Outcome outcome, std::optional<WalkStage>& stage) {
 bool Walk::beginAnew(std::optional<WalkStage>& stage) {
     stage.reset();
     try {
-        stage.emplace(WalkStage::inHeadset(scene_, std::make_unique<xr::Runtime>(), memoryFor(options_.draw)));
+        stage.emplace(WalkStage::inHeadset(drawnScene_, std::make_unique<xr::Runtime>()));
         return true;
     } catch (const std::exception& e) {
         say("no headset: " + std::string(e.what()));
     }
     if (deskSide_ == nullptr) return waitForHeadset(stage);
-    stage.emplace(WalkStage::atDesk(scene_, deskSide_->desktop, memoryFor(options_.draw)));
+    stage.emplace(WalkStage::atDesk(drawnScene_, deskSide_->desktop));
     return true;
 }
 
 bool Walk::waitForHeadset(std::optional<WalkStage>& stage) {
     while (!isAskedToEnd()) {
         try {
-            stage.emplace(WalkStage::inHeadset(scene_, std::make_unique<xr::Runtime>(), memoryFor(options_.draw)));
+            stage.emplace(WalkStage::inHeadset(drawnScene_, std::make_unique<xr::Runtime>()));
             return true;
         } catch (const std::exception&) {
             std::this_thread::sleep_for(kLookAgain);

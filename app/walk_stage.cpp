@@ -1,7 +1,6 @@
 #include "app/walk_stage.h"
 
 #include "app/device_trouble.h"
-#include "app/scene_memory.h"
 
 #include <cassert>
 #include <cmath>
@@ -26,29 +25,25 @@ render::DeviceMaker makerOf(const xr::Runtime& runtime) {
 
 } // namespace
 
-void WalkStage::makeDevice(const scene::Scene& scene, const render::SceneMemory& memory,
-                           const render::DeviceMaker& maker) {
+void WalkStage::makeDevice(const DrawnScene& drawn, const render::DeviceMaker& maker) {
     device_ = std::make_unique<render::Device>(maker);
     sayPassedOver(*device_);
-    gpuScene_ = std::make_unique<render::GpuScene>(*device_, scene.blocks, memory);
-    coverage_ = makeCoverage(*device_, scene);
+    on_ = bringTo(*device_, drawn);
 }
 
-void WalkStage::remakeDevice(const scene::Scene& scene, const render::SceneMemory& memory) {
+void WalkStage::remakeDevice(const DrawnScene& drawn) {
     assert(headset_ == nullptr);
     renderers_ = {};
-    coverage_.reset();
-    gpuScene_.reset();
+    on_ = {};
     device_.reset();
-    makeDevice(scene, memory, {});
+    makeDevice(drawn, {});
 }
 
-WalkStage WalkStage::inHeadset(const scene::Scene& scene, std::unique_ptr<xr::Runtime> runtime,
-                               const render::SceneMemory& memory) {
+WalkStage WalkStage::inHeadset(const DrawnScene& drawn, std::unique_ptr<xr::Runtime> runtime) {
     WalkStage stage;
     stage.runtime_ = std::move(runtime);
     stage.name_ = stage.runtime_->name();
-    stage.makeDevice(scene, memory, makerOf(*stage.runtime_));
+    stage.makeDevice(drawn, makerOf(*stage.runtime_));
     const render::Device& device = *stage.device_;
     stage.headset_ = std::make_unique<xr::Headset>(
         *stage.runtime_, xr::VulkanHandles{device.instance(), device.physical(), device, device.queueFamily()});
@@ -60,18 +55,18 @@ WalkStage WalkStage::inHeadset(const scene::Scene& scene, std::unique_ptr<xr::Ru
     return stage;
 }
 
-WalkStage WalkStage::atDesk(const scene::Scene& scene, xr::Desktop& desktop, const render::SceneMemory& memory) {
+WalkStage WalkStage::atDesk(const DrawnScene& drawn, xr::Desktop& desktop) {
     WalkStage stage;
     stage.name_ = "the desk";
-    stage.makeDevice(scene, memory, {});
+    stage.makeDevice(drawn, {});
     stage.source_ = &desktop;
     return stage;
 }
 
-WalkStage WalkStage::headless(const scene::Scene& scene, xr::Headless::Path path, const WalkOptions& options) {
+WalkStage WalkStage::headless(const DrawnScene& drawn, xr::Headless::Path path, const WalkOptions& options) {
     WalkStage stage;
     stage.name_ = "no display";
-    stage.makeDevice(scene, memoryFor(options.draw), {});
+    stage.makeDevice(drawn, {});
     xr::HeadlessOptions headless;
     headless.width = options.width, headless.height = options.height;
     headless.eyeDistanceMetres = options.draw.eyeDistanceMetres;
@@ -91,18 +86,18 @@ render::Renderer& WalkStage::rendererFor(const xr::ViewSource& source) {
     try {
         renderer = makeRenderer(source);
     } catch (const render::OutOfMemory& failure) {
-        if (coverage_ == nullptr) throw;
+        if (on_.coverage == nullptr) throw;
         sayUnseenIsGivenUp(failure);
         renderers_ = {}; // the other one shows it, too
-        coverage_.reset();
+        on_.coverage.reset();
         renderer = makeRenderer(source);
     }
     return *renderer;
 }
 
 std::unique_ptr<render::Renderer> WalkStage::makeRenderer(const xr::ViewSource& source) const {
-    return std::make_unique<render::Renderer>(*device_, *gpuScene_, source.width(), source.height(), source.eyes(),
-                                              coverage_.get());
+    return std::make_unique<render::Renderer>(*device_, *on_.images, source.width(), source.height(), source.eyes(),
+                                              on_.coverage.get(), on_.polygons.get());
 }
 
 std::string WalkStage::askForRate(double framesPerSecond) {

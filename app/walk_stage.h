@@ -2,6 +2,7 @@
 // All that stands between a scene and somebody's eyes: where the views come from, the device they are drawn on, and the
 // renderer. Made anew, whole, when a headset comes or goes: its runtime may hang on another device.
 
+#include "app/drawn_scene.h"
 #include "app/walk_scene.h"
 
 #include "input/actions.h"
@@ -19,12 +20,11 @@ namespace app {
 class WalkStage {
   public:
     /// A headset at an OpenXR runtime of this machine. Throws scene::Failure or xr::Lost.
-    static WalkStage inHeadset(const scene::Scene& scene, std::unique_ptr<xr::Runtime> runtime,
-                               const render::SceneMemory& memory = {});
+    static WalkStage inHeadset(const DrawnScene& drawn, std::unique_ptr<xr::Runtime> runtime);
     /// At the desk; desktop must outlive it.
-    static WalkStage atDesk(const scene::Scene& scene, xr::Desktop& desktop, const render::SceneMemory& memory = {});
+    static WalkStage atDesk(const DrawnScene& drawn, xr::Desktop& desktop);
     /// No display; along a path.
-    static WalkStage headless(const scene::Scene& scene, xr::Headless::Path path, const WalkOptions& options);
+    static WalkStage headless(const DrawnScene& drawn, xr::Headless::Path path, const WalkOptions& options);
 
     xr::ViewSource& source() { return *source_; }
     /// Null if nobody wears one.
@@ -35,11 +35,11 @@ class WalkStage {
     render::Renderer& rendererFor(const xr::ViewSource& source);
 
     /// Where no headset hangs on it: device, scene and renderers, all made anew; the source goes on as it is.
-    void remakeDevice(const scene::Scene& scene, const render::SceneMemory& memory);
+    void remakeDevice(const DrawnScene& drawn);
 
     const render::Device& device() const { return *device_; }
-    const render::GpuScene& gpuScene() const { return *gpuScene_; }
-    render::GpuScene& gpuScene() { return *gpuScene_; }
+    const render::GpuScene& gpuScene() const { return *on_.images; }
+    render::GpuScene& gpuScene() { return *on_.images; }
     const std::string& name() const { return name_; } ///< what the walker looks through
     /// Asks the headset for the offered rate that is nearest; 0: as it is. What is to be said if it is not that rate.
     std::string askForRate(double framesPerSecond);
@@ -49,15 +49,14 @@ class WalkStage {
     bool requestEnd();
 
   private:
-    void makeDevice(const scene::Scene& scene, const render::SceneMemory& memory, const render::DeviceMaker& maker);
+    void makeDevice(const DrawnScene& drawn, const render::DeviceMaker& maker);
     std::unique_ptr<render::Renderer> makeRenderer(const xr::ViewSource& source) const;
 
     // In the order in which they are made; the last goes first.
     std::string name_;
     std::unique_ptr<xr::Runtime> runtime_;
     std::unique_ptr<render::Device> device_;
-    std::unique_ptr<render::GpuScene> gpuScene_;
-    std::unique_ptr<render::GpuCoverage> coverage_; ///< null if the scene has none
+    DeviceScene on_;
     std::unique_ptr<xr::Headset> headset_;
     std::unique_ptr<input::Actions> actions_;
     std::unique_ptr<xr::Headless> headless_;

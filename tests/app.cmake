@@ -26,8 +26,12 @@ revisit_program_test(revisit_captures_tests LABELS data programs TIMEOUT 600
 
 # Polygons, from files to frames.
 revisit_program_test(revisit_polygons_build_tests LABELS data programs TIMEOUT 300
-    SOURCES app/comparison.cpp app/polygons_build_test.cpp app/program.cpp)
+    SOURCES app/comparison.cpp app/polygons_build_test.cpp app/program.cpp app/written_room.cpp)
 target_link_libraries(revisit_polygons_build_tests PRIVATE scene_capture)
+
+revisit_program_test(revisit_degenerate_positions_tests LABELS programs TIMEOUT 300
+    SOURCES app/comparison.cpp app/degenerate_positions_test.cpp app/program.cpp app/written_room.cpp)
+target_link_libraries(revisit_degenerate_positions_tests PRIVATE scene_plan)
 
 # Walk cells, and positions that choose themselves.
 revisit_program_test(revisit_cells_tests WHOLE LABELS programs TIMEOUT 300

@@ -2,9 +2,11 @@
 
 #include "scene/camera_json.h"
 #include "scene/capture/polygon_view.h"
+#include "scene/import/polygons.h"
 
 #include "tests/app/comparison.h"
 #include "tests/app/program.h"
+#include "tests/app/written_room.h"
 #include "tests/scene/scratch_folder.h"
 #include "tests/shared_data.h"
 
@@ -27,26 +29,6 @@ using scene::writeFile;
 using testing::HasSubstr;
 
 const std::string kRevisit = REVISIT_PROGRAM;
-
-/// A room of 6 x 3 x 8 m, open above, with a solid pillar about (1, 1.5, 1).
-void writeRoom(const std::filesystem::path& path) {
-    std::string text;
-    int count = 0;
-    const auto square = [&](glm::vec3 a, glm::vec3 u, glm::vec3 v) {
-        for (const glm::vec3& p : {a, a + u, a + u + v, a + v})
-            text += "v " + std::to_string(p.x) + " " + std::to_string(p.y) + " " + std::to_string(p.z) + "\n";
-        text += "f " + std::to_string(count + 1) + " " + std::to_string(count + 2) + " " + std::to_string(count + 3) +
-                " " + std::to_string(count + 4) + "\n";
-        count += 4;
-    };
-    square({-3, 0, -4}, {0, 0, 8}, {6, 0, 0});
-    square({-3, 0, -4}, {6, 0, 0}, {0, 3, 0}), square({3, 0, 4}, {-6, 0, 0}, {0, 3, 0});
-    square({-3, 0, 4}, {0, 0, -8}, {0, 3, 0}), square({3, 0, -4}, {0, 0, 8}, {0, 3, 0});
-    square({0.7f, 0, 1.3f}, {0.6f, 0, 0}, {0, 2.5f, 0}), square({1.3f, 0, 0.7f}, {-0.6f, 0, 0}, {0, 2.5f, 0});
-    square({0.7f, 0, 0.7f}, {0, 0, 0.6f}, {0, 2.5f, 0}), square({1.3f, 0, 1.3f}, {0, 0, -0.6f}, {0, 2.5f, 0});
-    square({0.7f, 2.5f, 1.3f}, {0.6f, 0, 0}, {0, 0, -0.6f});
-    writeFile(path, text);
-}
 
 Outcome build(const std::filesystem::path& polygons, const std::filesystem::path& output,
               const std::vector<std::string>& further, const ScratchFolder& scratch) {
@@ -144,6 +126,41 @@ TEST(PolygonsBuild, WrongWishesAreToldInOneLine) {
     EXPECT_THAT(outcome("room.obj", {"--positions", scratch / "solid.json"}),
                 Pair(1, HasSubstr("position 1 (1 1.5 1) is inside a solid")));
     EXPECT_THAT(outcome("points.obj", {"--positions", "2"}), Pair(1, HasSubstr("points.obj")));
+}
+
+TEST(PolygonsBuild, OtherPolygonsStandInTheSceneAsWhatNobodyMeasured) {
+    const ScratchFolder scratch;
+    writeRoom(scratch / "room.obj");
+    writeFile(scratch / "at.json", R"({"positions": [[-1, 1.6, 2]]})");
+    const Outcome built = build(scratch / "room.obj", scratch / "s", {"--positions", scratch / "at.json"}, scratch);
+    ASSERT_EQ(built.status, 0) << built.output;
+    // A board across the room, 2 m from the eye; and behind the wall, where nobody sees it.
+    writeFile(scratch / "board.obj", "v -2 1 0\nv 0 1 0\nv 0 2 0\nv -2 2 0\nf 1 2 3 4\n"
+                                     "v -3 0 -9\nv 3 0 -9\nv 3 3 -9\nv -3 3 -9\nf 5 6 7 8\n");
+    const scene::View view{{160, 120, 120, 120, 80, 60}, {glm::dmat3(1, 0, 0, 0, -1, 0, 0, 0, -1), {-1, 1.6, 2}}};
+    writeFile(scratch / "cameras.json",
+              json{{"cameras", {scene::describeCamera("v", view.camera, view.worldFromEye)}}}.dump());
+    const auto draw = [&](const std::string& polygons) {
+        return run({kRevisit, "render", (scratch / "s").string(), "--out", (scratch / "frames").string(), "--cameras",
+                    (scratch / "cameras.json").string(), "--aux", "--polygons", (scratch / polygons).string()},
+                   scratch.path());
+    };
+    const Outcome drawn = draw("board.obj");
+    ASSERT_EQ(drawn.status, 0) << drawn.output;
+    const cv::Mat1b classes = cv::imread((scratch / "frames/v-class.png").string(), cv::IMREAD_GRAYSCALE);
+    const cv::Mat1f depths = cv::imread((scratch / "frames/v-depth.tiff").string(), cv::IMREAD_UNCHANGED);
+    for (int y = 0; y < 120; ++y)
+        for (int x = 0; x < 160; ++x) {
+            const glm::dvec3 p = view.worldFromEye * (2.0 * scene::rayThrough(view.camera, x + 0.5, y + 0.5));
+            const double inside = std::min({p.x + 2, -p.x, p.y - 1, 2 - p.y});
+            if (std::abs(inside) < 0.03) continue;
+            const bool isBoard = classes(y, x) == 2 && std::abs(depths(y, x) - 2) < 1e-4;
+            ASSERT_EQ(isBoard, inside > 0) << x << " " << y; // holes of the room are filled, too
+        }
+    EXPECT_EQ(readJson(scratch / "frames/report.json").at("triangles_drawn").at("median"), 4);
+    const Outcome missing = draw("none.obj");
+    EXPECT_EQ(missing.status, 1);
+    EXPECT_THAT(missing.output, HasSubstr("none.obj: no such file"));
 }
 
 /// Looks from a place at another, as a walker does.

@@ -50,7 +50,7 @@ class Controllers : public testing::Test {
             unsetenv(elsewhere);
 
         scene_ = scene::openScene(path("a.revisit"));
-        stage_.emplace(app::WalkStage::inHeadset(scene_, std::make_unique<Runtime>()));
+        stage_.emplace(app::WalkStage::inHeadset(app::DrawnScene(scene_), std::make_unique<Runtime>()));
         head_.emplace(monado_.port());
         state_.stageFromHead = remotePose(poseAt({0.1, 1.6, 0.2}, 0.3, -0.1));
         head_->send(state_);

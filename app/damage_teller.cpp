@@ -1,12 +1,6 @@
-#include "app/scene_memory.h"
+#include "app/damage_teller.h"
 
 namespace app {
-
-render::SceneMemory memoryFor(const DrawOptions& options) {
-    render::SceneMemory memory;
-    memory.budgetBytes = options.memoryBytes;
-    return memory;
-}
 
 std::vector<std::string> DamageTeller::news(render::GpuScene& gpuScene, const scene::Scene& scene) {
     std::vector<std::string> sentences;

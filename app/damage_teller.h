@@ -1,7 +1,5 @@
 #pragma once
-// What a scene may take while it is drawn, and what was found damaged of it.
-
-#include "app/draw_options.h"
+// What is found damaged of a scene while it is drawn.
 
 #include "render/gpu_scene.h"
 #include "scene/scene.h"
@@ -11,10 +9,6 @@
 #include <vector>
 
 namespace app {
-
-/// All of --memory is for what the tiles hold; what of the file lies in the system's cache can be taken back at any
-/// time.
-render::SceneMemory memoryFor(const DrawOptions& options);
 
 /// Tells of damaged tiles, once for each image.
 class DamageTeller {
