@@ -1,9 +1,7 @@
 #include "tests/bench/position_pictures.h"
 
-#include "scene/capture/cube_capture.h"
 #include "scene/capture/polygon_view.h"
 #include "scene/plan/walk_cells.h"
-#include "scene/refine/skins.h"
 #include "scene/warp.h"
 
 #include <algorithm>
@@ -57,21 +55,14 @@ PositionPictures::PositionPictures(const scene::PolygonTracer& tracer, std::span
     }
 }
 
-const std::vector<PositionPictures::Face>& PositionPictures::cubeAt(const glm::dvec3& position) {
+const std::vector<CapturedFace>& PositionPictures::cubeAt(const glm::dvec3& position) {
     const auto [there, isNew] = cubes_.try_emplace({position.x, position.y, position.z});
-    if (isNew)
-        scene::captureCube(tracer_, light_, "p", position, kFaceSize, {}, [&](const scene::DepthImage& taken) {
-            scene::DepthImage image = taken;
-            scene::SkinFigures figures;
-            image.flags = scene::markPlanarSkins(image, scene::SkinOptions{}.planarity, figures);
-            scene::TileSet tiles = scene::cutIntoTiles(image);
-            there->second.push_back({std::move(image), std::move(tiles)});
-        });
+    if (isNew) there->second = captureForWarp(tracer_, light_, position, kFaceSize);
     return there->second;
 }
 
 PictureQuality PositionPictures::qualityOf(std::span<const glm::dvec3> positions) {
-    std::vector<const std::vector<Face>*> cubes;
+    std::vector<const std::vector<CapturedFace>*> cubes;
     for (const glm::dvec3& position : positions)
         cubes.push_back(&cubeAt(position));
     const scene::WalkCells cells(positions);
@@ -81,8 +72,7 @@ PictureQuality PositionPictures::qualityOf(std::span<const glm::dvec3> positions
         std::uint32_t cell = 0;
         std::vector<scene::TileBlock> blocks;
         for (const std::uint32_t position : cells.cornersAt(view.worldFromEye.translation, cell))
-            for (const Face& face : *cubes[position])
-                blocks.push_back(lend(face.tiles, face.image.camera, face.image.worldFromCamera));
+            addBlocks(*cubes[position], blocks);
         scene::ZBuffer zBuffer(kCamera.width, kCamera.height);
         scene::warpMesh(blocks, view, {}, zBuffer);
         const Errors errors = compare(scene::resolve(zBuffer), truths_[i]);

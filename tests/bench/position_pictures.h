@@ -1,9 +1,8 @@
 #pragma once
 // What walkers would see by the images of given positions, against what there is.
 
-#include "scene/capture/light.h"
-#include "scene/depth_image.h"
-#include "scene/tile.h"
+#include "tests/bench/captured_cube.h"
+
 #include "scene/view.h"
 
 #include <array>
@@ -26,15 +25,11 @@ class PositionPictures {
     PictureQuality qualityOf(std::span<const glm::dvec3> positions);
 
   private:
-    struct Face {
-        scene::DepthImage image;
-        scene::TileSet tiles;
-    };
-    const std::vector<Face>& cubeAt(const glm::dvec3& position);
+    const std::vector<CapturedFace>& cubeAt(const glm::dvec3& position);
 
     const scene::PolygonTracer& tracer_;
     scene::SurfaceLight light_;
     std::vector<scene::View> views_;
     std::vector<scene::Image<scene::Rgb8>> truths_;
-    std::map<std::array<double, 3>, std::vector<Face>> cubes_; ///< that were taken so far
+    std::map<std::array<double, 3>, std::vector<CapturedFace>> cubes_; ///< that were taken so far
 };
