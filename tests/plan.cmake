@@ -12,11 +12,12 @@ revisit_bench(revisit_plan_bench LINKS scene_plan CGAL::CGAL SOURCES bench/plan_
 add_library(revisit_captured_cube STATIC bench/captured_cube.cpp)
 target_include_directories(revisit_captured_cube PUBLIC ${CMAKE_SOURCE_DIR})
 target_link_libraries(revisit_captured_cube PUBLIC scene_capture scene_refine PRIVATE revisit_flags)
-foreach(study position_study polygon_truth paper_setup)
+foreach(study position_study polygon_truth paper_setup cell_points)
     add_executable(revisit_${study} bench/${study}.cpp)
     target_include_directories(revisit_${study} SYSTEM PRIVATE ${OpenCV_INCLUDE_DIRS})
     target_link_libraries(revisit_${study} PRIVATE revisit_flags revisit_captured_cube scene_plan TBB::tbb
         nlohmann_json::nlohmann_json opencv_core opencv_imgcodecs opencv_imgproc)
 endforeach()
 target_sources(revisit_position_study PRIVATE bench/position_pictures.cpp)
+target_sources(revisit_cell_points PRIVATE bench/position_pictures.cpp)
 target_link_libraries(revisit_paper_setup PRIVATE render)

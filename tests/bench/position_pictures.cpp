@@ -66,13 +66,20 @@ PictureQuality PositionPictures::qualityOf(std::span<const glm::dvec3> positions
     for (const glm::dvec3& position : positions)
         cubes.push_back(&cubeAt(position));
     const scene::WalkCells cells(positions);
-    std::vector<PictureQuality> each(views_.size());
-    tbb::parallel_for(std::size_t{0}, views_.size(), [&](std::size_t i) {
-        const scene::View& view = views_[i];
+    return qualityBy([&](const scene::View& view) {
         std::uint32_t cell = 0;
         std::vector<scene::TileBlock> blocks;
         for (const std::uint32_t position : cells.cornersAt(view.worldFromEye.translation, cell))
             addBlocks(*cubes[position], blocks);
+        return blocks;
+    });
+}
+
+PictureQuality PositionPictures::qualityBy(const BlocksFor& blocksFor) const {
+    std::vector<PictureQuality> each(views_.size());
+    tbb::parallel_for(std::size_t{0}, views_.size(), [&](std::size_t i) {
+        const scene::View& view = views_[i];
+        const std::vector<scene::TileBlock> blocks = blocksFor(view);
         scene::ZBuffer zBuffer(kCamera.width, kCamera.height);
         scene::warpMesh(blocks, view, {}, zBuffer);
         const Errors errors = compare(scene::resolve(zBuffer), truths_[i]);

@@ -6,6 +6,7 @@
 #include "scene/view.h"
 
 #include <array>
+#include <functional>
 #include <map>
 #include <span>
 #include <vector>
@@ -24,9 +25,14 @@ class PositionPictures {
 
     PictureQuality qualityOf(std::span<const glm::dvec3> positions);
 
-  private:
+    /// Drawn by what `blocksFor` says, which is asked from many threads.
+    using BlocksFor = std::function<std::vector<scene::TileBlock>(const scene::View&)>;
+    PictureQuality qualityBy(const BlocksFor& blocksFor) const;
+
+    /// What is seen from there all round; taken once.
     const std::vector<CapturedFace>& cubeAt(const glm::dvec3& position);
 
+  private:
     const scene::PolygonTracer& tracer_;
     scene::SurfaceLight light_;
     std::vector<scene::View> views_;
