@@ -168,6 +168,30 @@ std::uint32_t Device::memoryType(std::uint32_t typeBits, VkMemoryPropertyFlags w
     throw scene::Failure("the device has no memory of the kind needed", name_, "update the graphics driver");
 }
 
+std::size_t Device::roomBytes() const {
+    std::uint32_t count = 0;
+    check(vkEnumerateDeviceExtensionProperties(physical_, nullptr, &count, nullptr));
+    std::vector<VkExtensionProperties> extensions(count);
+    check(vkEnumerateDeviceExtensionProperties(physical_, nullptr, &count, extensions.data()));
+    const bool isTold = std::any_of(extensions.begin(), extensions.end(), [](const VkExtensionProperties& e) {
+        return std::strcmp(e.extensionName, VK_EXT_MEMORY_BUDGET_EXTENSION_NAME) == 0;
+    });
+    VkPhysicalDeviceMemoryBudgetPropertiesEXT budget{};
+    budget.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MEMORY_BUDGET_PROPERTIES_EXT;
+    VkPhysicalDeviceMemoryProperties2 memory{};
+    memory.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MEMORY_PROPERTIES_2;
+    if (isTold) memory.pNext = &budget;
+    vkGetPhysicalDeviceMemoryProperties2(physical_, &memory);
+    VkDeviceSize room = 0;
+    for (std::uint32_t heap = 0; heap < memory.memoryProperties.memoryHeapCount; ++heap) {
+        if ((memory.memoryProperties.memoryHeaps[heap].flags & VK_MEMORY_HEAP_DEVICE_LOCAL_BIT) == 0) continue;
+        const VkDeviceSize size = memory.memoryProperties.memoryHeaps[heap].size, granted = budget.heapBudget[heap],
+                           used = budget.heapUsage[heap];
+        room = std::max(room, isTold ? granted - std::min(granted, used) : size);
+    }
+    return room;
+}
+
 std::vector<std::string> Device::validationMessages() const {
     const std::scoped_lock lock(heardMutex_);
     return heard_;

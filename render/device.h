@@ -61,6 +61,10 @@ class Device {
     std::uint32_t memoryType(std::uint32_t typeBits, VkMemoryPropertyFlags wanted, VkMemoryPropertyFlags liked) const;
     VkMemoryPropertyFlags memoryFlags(std::uint32_t type) const { return memory_.memoryTypes[type].propertyFlags; }
 
+    /// Bytes of the memory that is fast for the device which this program may take now: what the driver grants it
+    /// (VK_EXT_memory_budget), or all there is where the driver does not say.
+    std::size_t roomBytes() const;
+
     /// Warnings and errors of the validation layers so far; always empty without them (VK_INSTANCE_LAYERS).
     std::vector<std::string> validationMessages() const;
 

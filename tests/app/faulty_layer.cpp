@@ -4,6 +4,7 @@
 //   REVISIT_FAULT_LOSE    numbers, with commas: which of the process' submits, from 1 on, lose their device. A lost
 //                         device stays lost until it is destroyed
 //   REVISIT_FAULT_MEMORY  bytes that a device has in all
+//   REVISIT_FAULT_ROOM    bytes that it says it has
 //   REVISIT_FAULT_LACKS   set: 64-bit atomics
 //   REVISIT_FAULT_TELL    file that is told, when a device is destroyed: submits of the process, most bytes at a time
 //
@@ -28,6 +29,7 @@ namespace {
 PFN_vkGetInstanceProcAddr nextInstance = nullptr;
 PFN_vkGetDeviceProcAddr nextDevice = nullptr;
 PFN_vkGetPhysicalDeviceFeatures2 nextFeatures = nullptr;
+PFN_vkGetPhysicalDeviceMemoryProperties2 nextMemory = nullptr;
 VkInstance instance = VK_NULL_HANDLE;
 VkDevice device = VK_NULL_HANDLE;
 std::mutex mutex;
@@ -80,6 +82,8 @@ VkResult VKAPI_PTR createInstance(const VkInstanceCreateInfo* info, const VkAllo
     // Asked for later, the loader names the first layer's.
     nextFeatures =
         reinterpret_cast<PFN_vkGetPhysicalDeviceFeatures2>(nextInstance(instance, "vkGetPhysicalDeviceFeatures2"));
+    nextMemory = reinterpret_cast<PFN_vkGetPhysicalDeviceMemoryProperties2>(
+        nextInstance(instance, "vkGetPhysicalDeviceMemoryProperties2"));
     return result;
 }
 
@@ -116,6 +120,18 @@ void VKAPI_PTR getFeatures(VkPhysicalDevice physical, VkPhysicalDeviceFeatures2*
     for (auto* next = static_cast<VkBaseOutStructure*>(features->pNext); next != nullptr; next = next->pNext)
         if (next->sType == VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES)
             reinterpret_cast<VkPhysicalDeviceVulkan12Features*>(next)->shaderBufferInt64Atomics = VK_FALSE;
+}
+
+void VKAPI_PTR getMemory(VkPhysicalDevice physical, VkPhysicalDeviceMemoryProperties2* memory) {
+    nextMemory(physical, memory);
+    if (told("REVISIT_FAULT_ROOM").empty()) return;
+    const std::uint64_t room = std::stoull(told("REVISIT_FAULT_ROOM"));
+    for (std::uint32_t heap = 0; heap < memory->memoryProperties.memoryHeapCount; ++heap)
+        memory->memoryProperties.memoryHeaps[heap].size = room;
+    for (auto* next = static_cast<VkBaseOutStructure*>(memory->pNext); next != nullptr; next = next->pNext)
+        if (next->sType == VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MEMORY_BUDGET_PROPERTIES_EXT)
+            for (VkDeviceSize& budget : reinterpret_cast<VkPhysicalDeviceMemoryBudgetPropertiesEXT*>(next)->heapBudget)
+                budget = room;
 }
 
 VkResult VKAPI_PTR submit(VkQueue queue, std::uint32_t count, const VkSubmitInfo* infos, VkFence fence) {
@@ -173,6 +189,7 @@ PFN_vkVoidFunction ours(const char* name) {
         {"vkCreateDevice", reinterpret_cast<PFN_vkVoidFunction>(createDevice)},
         {"vkDestroyDevice", reinterpret_cast<PFN_vkVoidFunction>(destroyDevice)},
         {"vkGetPhysicalDeviceFeatures2", reinterpret_cast<PFN_vkVoidFunction>(getFeatures)},
+        {"vkGetPhysicalDeviceMemoryProperties2", reinterpret_cast<PFN_vkVoidFunction>(getMemory)},
         {"vkQueueSubmit", reinterpret_cast<PFN_vkVoidFunction>(submit)},
         {"vkWaitForFences", reinterpret_cast<PFN_vkVoidFunction>(waitForFences)},
         {"vkGetFenceStatus", reinterpret_cast<PFN_vkVoidFunction>(getFenceStatus)},
