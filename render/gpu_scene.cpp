@@ -69,7 +69,7 @@ void GpuScene::holdSome(const Device& device, std::span<const scene::TileBlock> 
         throw scene::Failure("needs at least " + mebibytes(bytesKept_ + kLeastChunks * scene::kChunkBytes) +
                                  " to show the coarsest of everything, but may take " + mebibytes(memory.budgetBytes) +
                                  " of its " + mebibytes(bytesOf(index_)),
-                             std::string("the scene"), "allow more with --memory");
+                             std::string("the scene"), "allow more with --memory, on a device that has it");
     std::vector<std::uint32_t> pages(memory.budgetBytes / memory.pageBytes,
                                      static_cast<std::uint32_t>(memory.pageBytes / kTexelBytes) / 2 * 2);
     const std::size_t rest = memory.budgetBytes % memory.pageBytes;

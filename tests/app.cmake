@@ -53,6 +53,8 @@ file(GENERATE OUTPUT ${faulty_layer}/faulty.json CONTENT "{\"file_format_version
     \"name\": \"VK_LAYER_REVISIT_faulty\", \"type\": \"GLOBAL\", \"library_path\": \"$<TARGET_FILE:revisit_faulty_layer>\",
     \"api_version\": \"1.3.0\", \"implementation_version\": \"1\", \"description\": \"A faulty device, for tests\"}}
 ")
+target_compile_definitions(revisit_app_tests PRIVATE REVISIT_FAULTY_LAYER="${faulty_layer}")
+add_dependencies(revisit_app_tests revisit_faulty_layer)
 revisit_program_test(revisit_faulty_device_tests WHOLE LABELS programs TIMEOUT 300
     SOURCES app/comparison.cpp app/faulty_device_test.cpp app/program.cpp app/sample_scene.cpp)
 target_compile_definitions(revisit_faulty_device_tests PRIVATE REVISIT_FAULTY_LAYER="${faulty_layer}")

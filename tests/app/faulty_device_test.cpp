@@ -170,21 +170,6 @@ TEST_F(FaultyDevice, OfAFullOneLessIsAsked) {
     }
 }
 
-TEST_F(FaultyDevice, OfOneWithLittleRoomNoMoreIsTakenThanItSays) {
-    const auto reportOf = [&](const std::string& out) {
-        std::ifstream file(path(out) + "/report.json");
-        return nlohmann::json::parse(file);
-    };
-    ASSERT_EQ(run(render("roomy"), scratch_.path()).status, 0);
-    const auto whole = reportOf("roomy").at("bytes_resident").get<std::uint64_t>();
-    EXPECT_FALSE(reportOf("roomy").contains("stream"));
-    const Outcome drawn = runWith({"REVISIT_FAULT_ROOM=" + std::to_string(whole)}, render("narrow"));
-    ASSERT_EQ(drawn.status, 0) << drawn.output;
-    EXPECT_TRUE(reportOf("narrow").contains("stream")) << "a part of the scene at a time";
-    EXPECT_LE(reportOf("narrow").at("bytes_resident").get<std::uint64_t>(), whole / 4 * 3);
-    EXPECT_EQ(picturesOf("narrow").size(), picturesOf("roomy").size());
-}
-
 TEST_F(FaultyDevice, WhatOneLacksIsSaid) {
     const Outcome drawn = runWith({"REVISIT_FAULT_LACKS=1"}, render("lacking"));
     EXPECT_EQ(drawn.status, 1);

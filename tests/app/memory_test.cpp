@@ -57,6 +57,22 @@ class MemoryOfScene : public testing::Test {
     static inline scene::ScratchFolder* scratch_ = nullptr;
 };
 
+TEST_F(MemoryOfScene, OfADeviceWithLittleRoomNoMoreIsTakenThanItSays) {
+    const auto reportOf = [&](const std::string& out) { return readJson(path(out) + "/report.json"); };
+    ASSERT_EQ(render("room.revisit", "roomy").status, 0);
+    const auto whole = reportOf("roomy").at("bytes_resident").get<std::uint64_t>();
+    EXPECT_FALSE(reportOf("roomy").contains("stream"));
+    const std::string room = "REVISIT_FAULT_ROOM=" + std::to_string(whole);
+    const Outcome drawn =
+        run({"/usr/bin/env", "VK_LAYER_PATH=" REVISIT_FAULTY_LAYER, "VK_INSTANCE_LAYERS=VK_LAYER_REVISIT_faulty", room,
+             kRevisit, "render", path("room.revisit"), "--out", path("narrow"), "--aux"},
+            folder());
+    ASSERT_EQ(drawn.status, 0) << drawn.output;
+    EXPECT_TRUE(reportOf("narrow").contains("stream")) << "a part of the scene at a time";
+    EXPECT_LE(reportOf("narrow").at("bytes_resident").get<std::uint64_t>(), whole / 4 * 3);
+    EXPECT_EQ(picturesIn("narrow", ".png").size(), picturesIn("roomy", ".png").size());
+}
+
 TEST_F(MemoryOfScene, LessThanAllIsEnoughAndDrawsTheSameTwice) {
     ASSERT_EQ(render("room.revisit", "whole").status, 0);
     const nlohmann::json whole = readJson(path("whole/report.json"));
