@@ -1,0 +1,4 @@
+# Registration of scans.
+add_executable(revisit_registration_study bench/registration_study.cpp)
+target_include_directories(revisit_registration_study PRIVATE ${CMAKE_SOURCE_DIR})
+target_link_libraries(revisit_registration_study PRIVATE revisit_flags scene_align scene_capture nlohmann_json::nlohmann_json)
