@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::size_t kMostDirections = 16; ///< of a scan; the heaviest
 constexpr std::size_t kMostRotations = 48;
-constexpr std::size_t kMostOffsets = 40;  ///< pairs of planes for one direction
+constexpr std::size_t kMostOffsets = 24;  ///< pairs of planes for one direction
 constexpr double kSameDirection = 0.9986; ///< cosine: planes that face one way
 constexpr double kLeastSine = 0.34;       ///< between two directions that a rotation is found from
 constexpr double kLeastVolume = 0.4;      ///< of the normals of three planes that a place is found from

@@ -142,7 +142,11 @@ PairResult registerPair(const ScanView& a, const ScanView& b, const std::optiona
     for (const PoseCandidate& candidate : findCandidates(a.planes, b.planes, options.candidates))
         looked.push_back(
             {candidate.aFromB, checkPose(a.panorama, b.panorama, candidate.aFromB, quick).score(kRoughAgainst)});
-    std::stable_sort(looked.begin(), looked.end(), [](const Looked& x, const Looked& y) { return x.score > y.score; });
+    const auto isMeant = [&](const Pose& aFromB) { return roughAFromB && isAbout(*roughAFromB, aFromB); };
+    std::stable_sort(looked.begin(), looked.end(), [&](const Looked& x, const Looked& y) {
+        if (isMeant(x.aFromB) != isMeant(y.aFromB)) return isMeant(x.aFromB);
+        return x.score > y.score;
+    });
     for (std::size_t i = 0; i < std::min(looked.size(), kSettled); ++i)
         starts.push_back(looked[i].aFromB);
 
@@ -169,6 +173,7 @@ PairResult registerPair(const ScanView& a, const ScanView& b, const std::optiona
         return x.evidence.score(kAgainst) > y.evidence.score(kAgainst);
     };
     std::stable_sort(rough.begin(), rough.end(), isBetter);
+    std::stable_partition(rough.begin(), rough.end(), [&](const PairFit& fit) { return isMeant(fit.aFromB); });
     if (rough.size() > kCompared) rough.resize(kCompared);
     std::vector<PairFit> fits;
     for (const PairFit& start : rough) {
@@ -187,17 +192,17 @@ PairResult registerPair(const ScanView& a, const ScanView& b, const std::optiona
     };
     // Somebody's word decides between poses that fit, and makes up for a little that does not.
     if (roughAFromB) {
-        const PairFit* about = nullptr;
-        int count = 0;
+        std::vector<const PairFit*> meant;
         for (const PairFit& fit : fits)
-            if (fitsWith(fit, options.mostAgainstShareGiven) && fit.isHeld && isAbout(*roughAFromB, fit.aFromB)) {
-                if (!about) about = &fit;
-                ++count;
-            }
-        if (count == 1) {
-            result.best = *about;
+            if (isMeant(fit.aFromB) && fit.isHeld && fitsWith(fit, options.mostAgainstShareGiven)) meant.push_back(&fit);
+        const bool isOnly = !meant.empty() && std::none_of(meant.begin() + 1, meant.end(), [&](const PairFit* other) {
+            return other->evidence.againstShare() <= std::max(options.mostAgainstShareRival,
+                                                              2 * meant[0]->evidence.againstShare());
+        });
+        if (isOnly) {
+            result.best = *meant[0];
             result.verdict = PairVerdict::registered;
-            result.isDecidedByGivenPose = about != &fits[0];
+            result.isDecidedByGivenPose = meant[0] != &fits[0];
             return result;
         }
     }

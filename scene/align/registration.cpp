@@ -21,10 +21,10 @@ constexpr double kOtherUnits =
 /// several pairs add up before all are adjusted.
 constexpr double kContradiction = 0.02, kLeastContradiction = 0.003;
 
-/// "0.12 m" or "35 %" for sentences.
+/// "1.2 %" for sentences.
 std::string shareText(double share) {
     char text[32];
-    std::snprintf(text, sizeof text, "%.0f %%", 100 * share);
+    std::snprintf(text, sizeof text, "%.1f %%", 100 * share);
     return text;
 }
 

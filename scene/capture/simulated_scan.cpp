@@ -38,13 +38,19 @@ class Instrument {
   public:
     Instrument(const ScannedWorld& world, const Pose& worldFromScanner, const ScannerOptions& options)
         : world_(world), worldFromScanner_(worldFromScanner), options_(options) {
-        // Even over the beam and its sweep, the first in the middle of both.
+        // Even over the beam and its sweep.
         for (int i = 0; i < options.apertureRays; ++i) {
             const double radius = std::sqrt(static_cast<double>(i) / options.apertureRays),
                          turn = 2.399963229728653 * i;
             const double swept = 0.5 + i * 0.6180339887498949;
             aperture_.push_back({radius * std::cos(turn), radius * std::sin(turn), swept - std::floor(swept) - 0.5});
         }
+        // Few rays must not lean to one side: every range would belong to a place beside the one recorded.
+        glm::dvec3 mean(0);
+        for (const glm::dvec3& place : aperture_)
+            mean += place / static_cast<double>(options.apertureRays);
+        for (glm::dvec3& place : aperture_)
+            place -= mean;
     }
 
     RawSample take(std::size_t index) const {
