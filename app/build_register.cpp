@@ -3,6 +3,7 @@
 #include "app/build_stages.h"
 #include "app/progress.h"
 
+#include "scene/align/matches_file.h"
 #include "scene/align/registration.h"
 #include "scene/camera_json.h"
 
@@ -23,7 +24,7 @@ const char* nameOf(const scene::PairOutcome& pair) {
     if (pair.isRefused) return "refused by a third scan";
     switch (pair.result.verdict) {
     case scene::PairVerdict::registered:
-        return pair.result.isDecidedByGivenPose ? "registered near the given pose" : "registered";
+        return pair.result.isDecidedByGivenPose ? "registered as given" : "registered";
     case scene::PairVerdict::ambiguous:
         return "ambiguous";
     case scene::PairVerdict::contradicted:
@@ -68,13 +69,15 @@ json describe(const std::vector<scene::ScanView>& views, const scene::Registrati
     return {{"scans", scans}, {"pairs", pairs}, {"rms_m", registration.rmsMetres}, {"remarks", registration.remarks}};
 }
 
-std::string keyOfRegistration(const scene::Capture& capture, const scene::RegistrationOptions& options) {
+std::string keyOfRegistration(const scene::Capture& capture, const std::string& how,
+                              const scene::RegistrationOptions& options) {
     json scans = json::array();
     for (const scene::ScanSource& scan : capture.scans)
         scans.push_back({scan.name, fingerprintOf(scan.path), scan.indexInFile, scan.byteInFile});
     const scene::PairOptions& pair = options.pair;
     return keyOf({kRegisterVersion,
                   scans,
+                  how == "auto" ? json(how) : fingerprintOf(how),
                   {pair.leastOverlap, pair.mostAgainstShare, pair.mostAgainstShareGiven, pair.mostAgainstShareRival,
                    pair.leastSharedPlanes, options.leastJointOverlap}});
 }
@@ -88,6 +91,17 @@ std::vector<scene::ScanView> viewsOf(const scene::Capture& capture) {
         progress.advance();
     }
     return views;
+}
+
+scene::Registration registerAsMatched(const std::vector<scene::ScanView>& views, const std::filesystem::path& file,
+                                      const scene::RegistrationOptions& options) {
+    std::vector<std::string> names;
+    for (const scene::ScanView& view : views)
+        names.push_back(view.name);
+    std::vector<scene::PairOutcome> pairs;
+    for (const scene::GivenMatches& matches : scene::readMatchesFile(file, names))
+        pairs.push_back({matches.a, matches.b, pairFromMatches(views, matches, options.pair, file), false, false});
+    return joinScans(views, std::move(pairs), options);
 }
 
 scene::Pose poseOf(const json& rows, const std::filesystem::path& file) {
@@ -105,9 +119,15 @@ scene::Pose poseOf(const json& rows, const std::filesystem::path& file) {
 json registerCapture(scene::Capture& capture, const BuildOptions& options, StageStore& store) {
     if (options.registration == "given") return nullptr;
     const scene::RegistrationOptions registrationOptions;
-    const std::string key = keyOfRegistration(capture, registrationOptions);
+    const std::string key = keyOfRegistration(capture, options.registration, registrationOptions);
     const std::filesystem::path folder = store.find("registration", key, [&](const std::filesystem::path& part) {
         const std::vector<scene::ScanView> views = viewsOf(capture);
+        if (options.registration != "auto") {
+            const scene::Registration registration =
+                registerAsMatched(views, options.registration, registrationOptions);
+            writeWhole(part / "registration.json", describe(views, registration).dump());
+            return;
+        }
         Progress progress("register", views.size() * (views.size() - 1) / 2);
         const scene::Registration registration = registerScans(views, registrationOptions, [&] { progress.advance(); });
         writeWhole(part / "registration.json", describe(views, registration).dump());

@@ -194,10 +194,11 @@ PairResult registerPair(const ScanView& a, const ScanView& b, const std::optiona
     if (roughAFromB) {
         std::vector<const PairFit*> meant;
         for (const PairFit& fit : fits)
-            if (isMeant(fit.aFromB) && fit.isHeld && fitsWith(fit, options.mostAgainstShareGiven)) meant.push_back(&fit);
+            if (isMeant(fit.aFromB) && fit.isHeld && fitsWith(fit, options.mostAgainstShareGiven))
+                meant.push_back(&fit);
         const bool isOnly = !meant.empty() && std::none_of(meant.begin() + 1, meant.end(), [&](const PairFit* other) {
-            return other->evidence.againstShare() <= std::max(options.mostAgainstShareRival,
-                                                              2 * meant[0]->evidence.againstShare());
+            return other->evidence.againstShare() <=
+                   std::max(options.mostAgainstShareRival, 2 * meant[0]->evidence.againstShare());
         });
         if (isOnly) {
             result.best = *meant[0];

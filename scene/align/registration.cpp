@@ -154,7 +154,7 @@ std::string whyNot(std::size_t scan, const std::vector<ScanView>& scans, const R
         if ((pair.a == scan || pair.b == scan) &&
             (!best || pair.result.best.evidence.agreeing > best->result.best.evidence.agreeing))
             best = &pair;
-    if (!best) return name + "there is no other scan";
+    if (!best) return name + "it was compared with no other";
     const std::string other = "'" + scans[best->a == scan ? best->b : best->a].name + "'";
     const PoseEvidence& evidence = best->result.best.evidence;
     if (best->isRefused) return name + "where " + other + " would have it, a third scan sees through its surfaces";
@@ -194,22 +194,28 @@ void remarkUnits(const std::vector<ScanView>& scans, std::vector<std::string>& r
 
 Registration registerScans(const std::vector<ScanView>& scans, const RegistrationOptions& options,
                            const std::function<void()>& told) {
-    Registration registration;
-    registration.scans.resize(scans.size());
-    if (scans.empty()) return registration;
-    remarkUnits(scans, registration.remarks);
-    const bool isRough = arePosesGiven(scans);
+    std::vector<PairOutcome> pairs;
     for (std::size_t i = 0; i < scans.size(); ++i)
         for (std::size_t j = i + 1; j < scans.size(); ++j)
-            registration.pairs.push_back({i, j, {}, false, false});
-    tbb::parallel_for(std::size_t{0}, registration.pairs.size(), [&](std::size_t k) {
-        PairOutcome& pair = registration.pairs[k];
-        const ScanView &a = scans[pair.a], &b = scans[pair.b];
+            pairs.push_back({i, j, {}, false, false});
+    const bool isRough = arePosesGiven(scans);
+    tbb::parallel_for(std::size_t{0}, pairs.size(), [&](std::size_t k) {
+        const ScanView &a = scans[pairs[k].a], &b = scans[pairs[k].b];
         std::optional<Pose> rough;
         if (isRough) rough = inverse(a.givenWorldFromScanner) * b.givenWorldFromScanner;
-        pair.result = registerPair(a, b, rough, options.pair);
+        pairs[k].result = registerPair(a, b, rough, options.pair);
         if (told) told();
     });
+    return joinScans(scans, std::move(pairs), options);
+}
+
+Registration joinScans(const std::vector<ScanView>& scans, std::vector<PairOutcome> pairs,
+                       const RegistrationOptions& options) {
+    Registration registration;
+    registration.scans.resize(scans.size());
+    registration.pairs = std::move(pairs);
+    if (scans.empty()) return registration;
+    remarkUnits(scans, registration.remarks);
     Joining joining(scans, options, registration);
     joining.join();
     joining.adjust();

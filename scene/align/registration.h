@@ -38,6 +38,10 @@ struct Registration {
     std::vector<std::string> remarks;
 };
 
+/// From pairs that are known already: those that are sure are joined and adjusted.
+Registration joinScans(const std::vector<ScanView>& scans, std::vector<PairOutcome> pairs,
+                       const RegistrationOptions& options = {});
+
 /// Where every scan was said to stand at one place, nothing was said: they are then found from nothing. told: called
 /// after each pair, from any thread.
 Registration registerScans(const std::vector<ScanView>& scans, const RegistrationOptions& options = {},

@@ -38,10 +38,10 @@ Error errorOf(const scene::Pose& found, const scene::Pose& truth) {
 }
 
 scene::Pose setUp(const scene::Pose& tripod, scene::SeededSequence& chance) {
-    scene::Pose pose = scene::poseFromQuaternion({}, 0.01 * chance.normal(), 0.01 * chance.normal(), chance.normal(),
-                                                 chance.normal());
-    pose.translation = tripod.translation + glm::dvec3(chance.between(-0.2, 0.2), chance.between(-0.2, 0.2),
-                                                       chance.between(-0.1, 0.1));
+    scene::Pose pose =
+        scene::poseFromQuaternion({}, 0.01 * chance.normal(), 0.01 * chance.normal(), chance.normal(), chance.normal());
+    pose.translation = tripod.translation +
+                       glm::dvec3(chance.between(-0.2, 0.2), chance.between(-0.2, 0.2), chance.between(-0.1, 0.1));
     return pose;
 }
 
@@ -100,8 +100,8 @@ int main(int argc, char** argv) {
             }
             if (scan.group == i) continue;
             const std::size_t g = scan.group;
-            const Error error = errorOf(inverse(found.scans[g].worldFromScanner) * scan.worldFromScanner,
-                                        inverse(truth[g]) * truth[i]);
+            const Error error =
+                errorOf(inverse(found.scans[g].worldFromScanner) * scan.worldFromScanner, inverse(truth[g]) * truth[i]);
             const bool isWrong = error.degrees > kWrongDegrees || error.metres > kWrongMetres;
             ++registered;
             wrong += isWrong;
@@ -117,16 +117,16 @@ int main(int argc, char** argv) {
         std::fflush(stdout);
         runs.push_back(scans);
     }
-    const auto most = [](const std::vector<double>& v) { return v.empty() ? 0 : *std::max_element(v.begin(), v.end()); };
-    std::printf("%d registered, %d of them wrong, %d left; median %.4f deg %.2f mm, worst %.4f deg %.2f mm; %.1f s each\n",
-                registered, wrong, left, medianOf(degrees), 1e3 * medianOf(metres), most(degrees), 1e3 * most(metres),
-                medianOf(seconds));
-    std::ofstream(argv[1]) << json{{"scene", argv[2]},
-                                   {"samples_per_degree", density},
-                                   {"noise_m", noise},
-                                   {"registered", registered},
-                                   {"wrong", wrong},
-                                   {"left", left},
+    const auto most = [](const std::vector<double>& v) {
+        return v.empty() ? 0 : *std::max_element(v.begin(), v.end());
+    };
+    std::printf(
+        "%d registered, %d of them wrong, %d left; median %.4f deg %.2f mm, worst %.4f deg %.2f mm; %.1f s each\n",
+        registered, wrong, left, medianOf(degrees), 1e3 * medianOf(metres), most(degrees), 1e3 * most(metres),
+        medianOf(seconds));
+    std::ofstream(argv[1]) << json{{"scene", argv[2]}, {"samples_per_degree", density},
+                                   {"noise_m", noise}, {"registered", registered},
+                                   {"wrong", wrong},   {"left", left},
                                    {"runs", runs}}
                                   .dump(1)
                            << '\n';

@@ -145,7 +145,8 @@ TEST(Registration, ScansOfDifferentPlacesStayWhereTheyWereSaidToBe) {
 
 TEST(Registration, AScanInAMirrorIsNamed) {
     const SyntheticScene place = office();
-    const ScanView a = viewFrom(place, setUpAt({1.4, 1.1, 1.5}, 1), 1), b = viewFrom(place, setUpAt({4.4, 2.9, 1.6}, 2), 2);
+    const ScanView a = viewFrom(place, setUpAt({1.4, 1.1, 1.5}, 1), 1),
+                   b = viewFrom(place, setUpAt({4.4, 2.9, 1.6}, 2), 2);
     const ScanView turnedRound = mirrored(b);
     EXPECT_EQ(mirrored(turnedRound).panorama.cells(5, 100).point, b.panorama.cells(5, 100).point);
     const Registration found = registerScans({a, turnedRound});
@@ -168,9 +169,8 @@ TEST(Registration, OnePlaneOrNoPointLeavesAScanFree) {
     const SyntheticScene floor = BoxPlace().add({-20, -20, -1}, {20, 20, 0}).build();
     Scan empty;
     empty.name = "empty";
-    const Registration found =
-        registerScans({viewFrom(floor, setUpAt({0, 0, 1.5}, 1), 1), viewFrom(floor, setUpAt({2, 1, 1.5}, 2), 2),
-                       viewOf(empty)});
+    const Registration found = registerScans(
+        {viewFrom(floor, setUpAt({0, 0, 1.5}, 1), 1), viewFrom(floor, setUpAt({2, 1, 1.5}, 2), 2), viewOf(empty)});
     EXPECT_THAT(found.scans[0].why, HasSubstr("all its planes face one way"));
     EXPECT_THAT(found.scans[1].why, HasSubstr("all its planes face one way"));
     EXPECT_THAT(found.scans[2].why, HasSubstr("no plane was found in it"));
@@ -178,8 +178,8 @@ TEST(Registration, OnePlaneOrNoPointLeavesAScanFree) {
 
 TEST(Registration, TwoScansFromOnePlaceAreSaidToBe) {
     const SyntheticScene place = office();
-    const Registration found = registerScans({viewFrom(place, setUpAt({1.4, 1.1, 1.5}, 1), 1),
-                                              viewFrom(place, setUpAt({1.4, 1.1, 1.5}, 2), 2)});
+    const Registration found = registerScans(
+        {viewFrom(place, setUpAt({1.4, 1.1, 1.5}, 1), 1), viewFrom(place, setUpAt({1.4, 1.1, 1.5}, 2), 2)});
     ASSERT_TRUE(found.scans[1].isRegistered) << found.scans[1].why;
     ASSERT_EQ(found.remarks.size(), 1u);
     EXPECT_THAT(found.remarks[0], HasSubstr("from the same place"));
@@ -188,7 +188,7 @@ TEST(Registration, TwoScansFromOnePlaceAreSaidToBe) {
 TEST(Registration, OneScanAloneOrNoneIsNoTrouble) {
     EXPECT_TRUE(registerScans({}).scans.empty());
     const Registration found = registerScans({viewFrom(office(), setUpAt({1.4, 1.1, 1.5}, 1), 1)});
-    EXPECT_THAT(found.scans.at(0).why, HasSubstr("there is no other scan"));
+    EXPECT_THAT(found.scans.at(0).why, HasSubstr("it was compared with no other"));
 }
 
 } // namespace

@@ -87,7 +87,8 @@ ScanPlane planeAt(const glm::dvec3& normal, const glm::dvec3& through, double ar
 }
 
 std::vector<ScanPlane> knownPlanes(const Pose& scannerFromWorld) {
-    return {planeAt({1, 0, 0}, {-2, 0.3, 1}, 9, scannerFromWorld), planeAt({0, 1, 0}, {0.2, -3, 1}, 8, scannerFromWorld),
+    return {planeAt({1, 0, 0}, {-2, 0.3, 1}, 9, scannerFromWorld),
+            planeAt({0, 1, 0}, {0.2, -3, 1}, 8, scannerFromWorld),
             planeAt({0, 0, 1}, {0, 0, -1.5}, 20, scannerFromWorld),
             planeAt({-0.6, 0.8, 0}, {2, -1, 1}, 5, scannerFromWorld)};
 }

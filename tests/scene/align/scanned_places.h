@@ -54,7 +54,8 @@ inline SyntheticScene office() {
 /// Turned any way, tilted as a tripod set up by eye.
 inline Pose setUpAt(const glm::dvec3& position, std::uint64_t seed) {
     SeededSequence chance(seed);
-    Pose pose = poseFromQuaternion({}, 0.01 * chance.normal(), 0.01 * chance.normal(), chance.normal(), chance.normal());
+    Pose pose =
+        poseFromQuaternion({}, 0.01 * chance.normal(), 0.01 * chance.normal(), chance.normal(), chance.normal());
     pose.translation = position;
     return pose;
 }
