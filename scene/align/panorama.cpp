@@ -18,8 +18,8 @@ constexpr double kNearestMetres = 0.05; ///< nearer to the scanner is the scanne
 constexpr int kWindow = 2;              ///< cells to each side that a normal is found from: next to each other,
 constexpr double kWindowMetres = 0.045; ///< or farther apart where the window would be less wide than this to each side
 constexpr int kLeastInWindow = 8;
-/// From there on a quarter of a degree holds a sample nearly all round.
-constexpr std::size_t kDensePoints = 400'000;
+/// Samples in most cells of the coarse panorama, from which on those of the fine one are not left empty.
+constexpr int kDenseSamples = 4;
 /// Samples of one surface in a cell lie this near to each other, metres and relatively.
 constexpr double kSameMetres = 0.03, kSameShare = 0.02;
 /// A window is smooth if its points leave their plane by less, metres and in widths of a cell.
@@ -69,29 +69,9 @@ void findNormal(Panorama& panorama, int x, int y) {
     cell.normal = glm::vec3(glm::dot(normal, centre) > 0 ? -normal : normal);
 }
 
-} // namespace
-
-double Panorama::stepRadians() const {
-    return kPi / height();
-}
-
-std::optional<std::array<int, 2>> Panorama::placeOf(const glm::dvec3& d) const {
-    const double level = std::hypot(d.x, d.y);
-    if (!(level + std::abs(d.z) > 0)) return std::nullopt;
-    const double x = (std::atan2(d.y, d.x) + kPi) / stepRadians(),
-                 y = (std::atan2(d.z, level) + kPi / 2) / stepRadians();
-    return std::array{std::clamp(static_cast<int>(x), 0, width() - 1),
-                      std::clamp(static_cast<int>(y), 0, height() - 1)};
-}
-
-double Panorama::weightOf(int row) const {
-    return std::cos((row + 0.5) * stepRadians() - kPi / 2);
-}
-
-Panorama panoramaOf(const Scan& scan) {
+Panorama binned(const Scan& scan, int rows) {
+    const int columns = 2 * rows;
     Panorama panorama;
-    const bool isDense = scan.pointsInScanner.size() >= kDensePoints;
-    const int rows = isDense ? kFineRows : kCoarseRows, columns = 2 * rows;
     panorama.cells = Image<PanoramaCell>(columns, rows);
     // Points in the order of their cells.
     const std::size_t cellCount = panorama.cells.size();
@@ -137,8 +117,45 @@ Panorama panoramaOf(const Scan& scan) {
             cell.point = glm::vec3(sum / static_cast<double>(cell.samples));
         }
     });
-    tbb::parallel_for(0, rows, [&](int y) {
-        for (int x = 0; x < columns; ++x)
+    return panorama;
+}
+
+/// Of the cells about the horizon that saw anything.
+int medianSamples(const Panorama& panorama) {
+    std::vector<int> samples;
+    for (int y = panorama.height() / 4; y < panorama.height() * 3 / 4; ++y)
+        for (const PanoramaCell& cell : panorama.cells.row(y))
+            if (cell.samples > 0) samples.push_back(cell.samples);
+    if (samples.empty()) return 0;
+    const auto middle = samples.begin() + static_cast<std::ptrdiff_t>(samples.size() / 2);
+    std::nth_element(samples.begin(), middle, samples.end());
+    return *middle;
+}
+
+} // namespace
+
+double Panorama::stepRadians() const {
+    return kPi / height();
+}
+
+std::optional<std::array<int, 2>> Panorama::placeOf(const glm::dvec3& d) const {
+    const double level = std::hypot(d.x, d.y);
+    if (!(level + std::abs(d.z) > 0)) return std::nullopt;
+    const double x = (std::atan2(d.y, d.x) + kPi) / stepRadians(),
+                 y = (std::atan2(d.z, level) + kPi / 2) / stepRadians();
+    return std::array{std::clamp(static_cast<int>(x), 0, width() - 1),
+                      std::clamp(static_cast<int>(y), 0, height() - 1)};
+}
+
+double Panorama::weightOf(int row) const {
+    return std::cos((row + 0.5) * stepRadians() - kPi / 2);
+}
+
+Panorama panoramaOf(const Scan& scan) {
+    Panorama panorama = binned(scan, kCoarseRows);
+    if (medianSamples(panorama) >= kDenseSamples) panorama = binned(scan, kFineRows);
+    tbb::parallel_for(0, panorama.height(), [&](int y) {
+        for (int x = 0; x < panorama.width(); ++x)
             findNormal(panorama, x, y);
     });
     return panorama;

@@ -18,6 +18,7 @@ constexpr double kGrowShare = 0.0015; ///< and this share of its range
 constexpr double kMergeCosine = 0.9994, kMergeMetres = 0.012; ///< regions of one plane
 constexpr double kKeptDeviations = 2.5;                       ///< samples farther from a plane lie on something else
 constexpr int kFits = 3;
+constexpr int kLongestGap = 3; ///< cells from one to its neighbour
 
 struct Sums {
     glm::dmat3 squares{0.0};
@@ -107,11 +108,19 @@ class Growing {
 
     template <class Take>
     void forNeighbours(int index, Take take) const {
-        const int width = panorama_.width(), x = index % width, y = index / width;
-        if (y > 0) take(index - width);
-        if (y + 1 < panorama_.height()) take(index + width);
-        take(y * width + (x + 1) % width);
-        take(y * width + (x + width - 1) % width);
+        // A cell that no sample fell into parts nothing: what stands behind it is the neighbour.
+        const int width = panorama_.width(), height = panorama_.height(), x = index % width, y = index / width;
+        const auto look = [&](int dx, int dy) {
+            for (int step = 1; step <= kLongestGap; ++step) {
+                const int row = y + step * dy;
+                if (row < 0 || row >= height) return;
+                const int other = row * width + (x + step * dx + width) % width;
+                if (at(other).samples == 0) continue;
+                take(other);
+                return;
+            }
+        };
+        look(0, -1), look(0, 1), look(1, 0), look(-1, 0);
     }
 
     float likeness(int index) const {
