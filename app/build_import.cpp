@@ -53,11 +53,8 @@ std::string keyOfScan(const scene::ScanSource& scan, const scene::CubeFaceOption
                   fingerprintOf(scan.path),
                   scan.indexInFile,
                   scan.byteInFile,
+                  scan.registeredWorldFromScanner ? describe(*scan.registeredWorldFromScanner) : json(),
                   {faces.maxFaceSize, faces.sameSurface, faces.maxLayers}});
-}
-
-scene::Scan readScan(const scene::ScanSource& source) {
-    return source.format == scene::ScanFormat::e57 ? scene::readE57Scan(source) : scene::readPtxScan(source);
 }
 
 /// The faces of a scan and, in points.json, what became of its points.
@@ -86,6 +83,13 @@ scene::StoredImage storedImage(const std::filesystem::path& file) {
 }
 
 } // namespace
+
+scene::Scan readScan(const scene::ScanSource& source) {
+    scene::Scan scan =
+        source.format == scene::ScanFormat::e57 ? scene::readE57Scan(source) : scene::readPtxScan(source);
+    if (source.registeredWorldFromScanner) scan.worldFromScanner = *source.registeredWorldFromScanner;
+    return scan;
+}
 
 scene::Failure nothingToBuild(const BuildOptions& options) {
     return {"holds no image or scan with range", options.inputs.front(), "check the capture, or hold out less"};

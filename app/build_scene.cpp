@@ -18,6 +18,8 @@ void checkWishes(const BuildOptions& options, const scene::Capture& capture) {
     if (options.mostPositions > 0 && !options.positions.isSearched)
         throw scene::Failure("is for positions that are searched for", std::string("--count"),
                              "leave it out, or ask for --positions auto");
+    if (options.registration != "given" && capture.scans.empty())
+        throw scene::Failure("registers laser scans, and there are none", std::string("--register"), "leave it out");
     if (!capture.polygons.empty() && !options.holdOut.empty())
         throw scene::Failure("keeps photographs out, and polygons have none", std::string("--hold-out"),
                              "leave it out");
@@ -41,6 +43,7 @@ void buildScene(const BuildOptions& options) {
     work += ".build";
     StageStore store(work);
 
+    const nlohmann::json registration = registerCapture(capture, options, store);
     const ImportedImages imported = capture.polygons.empty() ? importImages(capture, heldOut, options, store)
                                                              : capturePolygons(capture, options, store);
     const Overlaps overlaps = findOverlaps(imported, options);
@@ -48,7 +51,7 @@ void buildScene(const BuildOptions& options) {
     const KeepStage kept = keepBest(imported, overlaps, skins, options, store);
     const TileStage tiles = fuseAndCut(imported, overlaps, skins, kept, options, store);
     const CoverageStage coverage = coverSpace(skins, options, store);
-    writeScene(output, capture, heldOut, imported, overlaps, skins, kept, tiles, coverage, options);
+    writeScene(output, capture, heldOut, imported, overlaps, skins, kept, tiles, coverage, registration, options);
 }
 
 } // namespace app

@@ -1,5 +1,5 @@
 #pragma once
-// A build: import or capture -> project -> refine -> scene file, each stage kept under a key.
+// A build: import or capture -> align -> project -> refine -> scene file, each stage kept under a key.
 
 #include "app/positions.h"
 
@@ -25,6 +25,7 @@ struct BuildOptions {
     std::filesystem::path output;
     std::string holdOut;                  ///< every:N:FIRST, a file of names, or empty
     std::size_t memoryBytes = 8ull << 30; ///< pixels held at a time
+    std::string registration = "given";   ///< where scans stand: given, auto, or a file of matches
     bool cull = true;                     ///< false: every sample is kept
     bool fuse = true;                     ///< false: kept samples stay as they were captured
     PositionsWish positions;              ///< of polygon scenes

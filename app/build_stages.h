@@ -10,6 +10,7 @@
 #include "scene/import/capture.h"
 #include "scene/refine/cover.h"
 #include "scene/refine/pairs.h"
+#include "scene/scan.h"
 #include "scene/scene.h"
 
 namespace app {
@@ -27,6 +28,13 @@ struct PolygonFigures {
     std::vector<double> unknownShares; ///< after each, where they were searched for
     std::int64_t trials = 0;           ///< sets of positions that the search weighed
 };
+
+/// A scan as its file has it, at the place where registration put it if it did.
+scene::Scan readScan(const scene::ScanSource& source);
+
+/// align: where scans stand, as BuildOptions::registration asks; puts what it finds into the capture's scans, and what
+/// there is to say into its remarks. Returns the report that scene.json and info have; null where nothing was done.
+nlohmann::json registerCapture(scene::Capture& capture, const BuildOptions& options, StageStore& store);
 
 struct ImportedImages {
     std::vector<scene::StoredImage> images;
@@ -90,6 +98,6 @@ void checkReplaceable(const std::filesystem::path& output);
 void writeScene(const std::filesystem::path& output, const scene::Capture& capture,
                 const std::vector<std::size_t>& heldOut, const ImportedImages& imported, const Overlaps& overlaps,
                 const SkinStage& skins, const KeepStage& kept, const TileStage& tiles, const CoverageStage& coverage,
-                const BuildOptions& options);
+                const nlohmann::json& registration, const BuildOptions& options);
 
 } // namespace app

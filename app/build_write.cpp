@@ -31,6 +31,7 @@ constexpr const char* kWriteRemedy = "check that the disk has room and the folde
 
 json describeOptions(const BuildOptions& o) {
     return {{"hold_out", o.holdOut},
+            {"register", o.registration},
             {"cull", o.cull},
             {"fuse", o.fuse},
             {"tile_size", o.pyramid.tileSize},
@@ -163,7 +164,7 @@ void checkReplaceable(const std::filesystem::path& output) {
 void writeScene(const std::filesystem::path& output, const scene::Capture& capture,
                 const std::vector<std::size_t>& heldOut, const ImportedImages& imported, const Overlaps& overlaps,
                 const SkinStage& skins, const KeepStage& kept, const TileStage& tiles, const CoverageStage& coverage,
-                const BuildOptions& options) {
+                const json& registration, const BuildOptions& options) {
     std::filesystem::path part = output;
     part += ".part";
     std::error_code ignored;
@@ -204,6 +205,7 @@ void writeScene(const std::filesystem::path& output, const scene::Capture& captu
                       {"whole_images", !options.cull},
                       {"walk_from_world", scene::rowMajor({})},
                       {"polygons", describePolygons(imported.polygons, options)},
+                      {"registration", registration},
                       {"coverage", !coverage.file.empty()},
                       {"figures",
                        {{"images", imported.images.size()},

@@ -27,6 +27,23 @@ std::string shareText(double part, double whole) {
     return text;
 }
 
+/// Where scans stand, and how well that is known.
+void printRegistration(const json& registration) {
+    if (registration.is_null()) return;
+    std::size_t registered = 0;
+    for (const json& scan : registration.at("scans"))
+        registered += scan.at("registered").get<bool>();
+    std::printf("  registered %zu of %zu scans; surfaces lie on each other to %.1f mm\n", registered,
+                registration.at("scans").size(), 1e3 * registration.at("rms_m").get<double>());
+    for (const json& pair : registration.at("pairs"))
+        std::printf("  pair       %s, %s: %s; overlap %s, %.2f %% against, residual %.1f mm, known to %.1f mm and "
+                    "%.3f degrees\n",
+                    pair.at("a").get<std::string>().c_str(), pair.at("b").get<std::string>().c_str(),
+                    pair.at("verdict").get<std::string>().c_str(), shareText(pair.at("overlap"), 1).c_str(),
+                    100 * pair.at("against_share").get<double>(), 1e3 * pair.at("rms_m").get<double>(),
+                    1e3 * pair.at("deviation_m").get<double>(), pair.at("deviation_deg").get<double>());
+}
+
 void printNotes(const Notes& notes) {
     for (const Note& note : notes.list) {
         const glm::dvec3 &a = note.from, &b = note.to;
@@ -63,6 +80,7 @@ void printInfo(const std::filesystem::path& folder, bool asJson) {
     if (number("scan_points") > 0)
         std::printf("  scans      %.0f points, %.0f held, %.0f dropped\n", number("scan_points"),
                     number("scan_points_held"), number("scan_points_dropped"));
+    printRegistration(info.value("registration", json()));
     std::printf("  samples    %.0f; kept %s as base, %s for other directions; %.0f float in empty space\n",
                 number("samples"), shareText(number("samples_base"), number("samples")).c_str(),
                 shareText(number("samples_directional"), number("samples")).c_str(), number("samples_floating"));

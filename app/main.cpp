@@ -133,7 +133,12 @@ void addBuild(CLI::App& program, app::BuildOptions& options, std::string& memory
     addCapture(*build, options);
     build->add_option("--memory", memory, "pixels held at a time, e.g. 8G")->capture_default_str();
     build->add_option("--threads", threads, "0: all")->check(CLI::Range(0, 1024))->capture_default_str();
-    refuse(*build, "--register", "registration");
+    build
+        ->add_option("--register", options.registration,
+                     "where laser scans stand: given, as the file says; auto, found by what they have in common; or a "
+                     "JSON file of places on planes that two scans share")
+        ->type_name("given|auto|FILE")
+        ->capture_default_str();
     refuse(*build, "--colour-even", "colour evening");
     build->footer("Examples:\n"
                   "  revisit build living_room/ -o room.revisit\n"

@@ -1,5 +1,5 @@
 // make_sample: writes a sample RGB-D capture of a synthetic scene, in the form that nerfstudio reads and
-// writes, and a walk through it.
+// writes, and a walk through it; or sample laser scans (app/sample_scans.h).
 //
 //   OUT/transforms.json   intrinsics, and for each frame its files and camera-to-world matrix with the camera
 //   axes of
@@ -8,6 +8,8 @@
 //   OUT/depth/*.png       16 bit depth along z in steps of the depth unit; 0: no surface, or too far to be
 //   written OUT/walk.json         a path file of space "world": head poses whose axes are x right, y up, z
 //   backwards
+
+#include "app/sample_scans.h"
 
 #include "scene/errors.h"
 #include "scene/synthetic.h"
@@ -168,6 +170,66 @@ void makeFolder(const fs::path& path) {
                              "choose a place that is writable");
 }
 
+/// "DEG,M"; false if it is not written like that.
+bool parsePoseError(const std::string& text, SampleScansOptions& scans) {
+    int used = 0;
+    return std::sscanf(text.c_str(), "%lf,%lf%n", &scans.poseErrorDegrees, &scans.poseErrorMetres, &used) == 2 &&
+           static_cast<std::size_t>(used) == text.size() && scans.poseErrorDegrees >= 0 &&
+           scans.poseErrorDegrees <= 180 && scans.poseErrorMetres >= 0 && scans.poseErrorMetres <= 1e6;
+}
+
+void addScanner(CLI::App& cli, bool& isScanner, SampleScansOptions& scans) {
+    const std::string group = "Laser scans";
+    cli.add_flag("--scanner", isScanner, "laser scans by a simulated scanner instead of images: scans.e57, truth.json")
+        ->group(group);
+    cli.add_option("--polygons", scans.polygons, "scan this polygon scene, in soft light")
+        ->check(CLI::ExistingFile)
+        ->group(group);
+    cli.add_option("--scans", scans.scans, "how many")->check(CLI::Range(1, 1000))->capture_default_str()->group(group);
+    cli.add_option("--density", scans.samplesPerDegree,
+                   "samples a degree, both ways; the paper's scanner took 20 to 25")
+        ->check(CLI::Range(0.5, 50.0))
+        ->capture_default_str()
+        ->group(group);
+    cli.add_option("--range-noise-mm", scans.noiseMetres,
+                   "standard deviation of range at 3 m from a half bright surface, in millimetres")
+        ->transform([](const std::string& text) { return std::to_string(std::stod(text) / 1000); })
+        ->default_str("5")
+        ->group(group);
+    cli.add_option("--farthest", scans.farthestMetres, "metres beyond which nothing comes back")
+        ->check(CLI::Range(0.5, 1000.0))
+        ->capture_default_str()
+        ->group(group);
+    cli.add_flag("--wrong-constants", scans.hasWrongConstants,
+                 "records of a scanner with 14,039 pan steps and a mirror of 44.8 degrees, read as if it had 14,000 "
+                 "and 45")
+        ->group(group);
+    cli.add_flag("--poses-unknown", scans.arePosesUnknown, "every scan is written as if it stood at the origin")
+        ->group(group);
+    cli.add_option_function<std::string>(
+           "--pose-error",
+           [&scans](const std::string& text) {
+               if (!parsePoseError(text, scans))
+                   throw CLI::ValidationError("--pose-error", "not DEGREES,METRES: " + text);
+           },
+           "poses are written wrong by this much, each in a direction of its own")
+        ->type_name("DEG,M")
+        ->group(group);
+    cli.add_flag_callback(
+           "--no-colour", [&scans] { scans.withColour = false; }, "intensity alone")
+        ->group(group);
+    cli.add_option("--scan-format", scans.format, "e57 or ptx")
+        ->check(CLI::IsMember({"e57", "ptx"}))
+        ->capture_default_str()
+        ->group(group);
+}
+
+void makeScans(const SampleOptions& options, const SampleScansOptions& scans) {
+    makeFolder(options.out);
+    makeSampleScans(options.out, options.sceneName, options.seed, scans);
+    if (scans.polygons.empty()) writeWalk(*scene::makeSyntheticScene(options.sceneName, options.seed), options);
+}
+
 void makeSample(const SampleOptions& options, const scene::Camera& camera) {
     for (const char* folder : {"images", "depth"})
         makeFolder(options.out / folder);
@@ -184,12 +246,15 @@ void makeSample(const SampleOptions& options, const scene::Camera& camera) {
 
 int main(int argc, char** argv) {
     app::SampleOptions options;
+    app::SampleScansOptions scans;
+    bool isScanner = false;
     scene::Camera camera;
     CLI::App cli{"Writes a sample RGB-D capture of a synthetic scene whose truth is known: transforms.json, "
                  "images/, depth/ as\n"
                  "nerfstudio has them, and walk.json, a path through the scene.\n\n"
                  "  make_sample samples/room --scene room --images 60\n"
-                 "  make_sample samples/corner --scene corner --images 120 --size 1280x960 --noise-mm 4"};
+                 "  make_sample samples/corner --scene corner --images 120 --size 1280x960 --noise-mm 4\n"
+                 "  make_sample samples/scans --scene room --scanner --poses-unknown"};
     cli.add_option("OUT", options.out, "folder to write; made if it is not there")->required();
     cli.add_option("--scene", options.sceneName,
                    "room: a furnished living room; corner: a street corner where two cars collided; "
@@ -217,6 +282,7 @@ int main(int argc, char** argv) {
     cli.add_option("--format", options.format, "of the colour images")
         ->check(CLI::IsMember({"png", "jpg"}))
         ->capture_default_str();
+    app::addScanner(cli, isScanner, scans);
     try {
         cli.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
@@ -226,7 +292,10 @@ int main(int argc, char** argv) {
     }
     try {
         app::cameraOf(options.size, camera);
-        app::makeSample(options, camera);
+        if (isScanner)
+            app::makeScans(options, scans);
+        else
+            app::makeSample(options, camera);
         return 0;
     } catch (const std::exception& failure) {
         std::cerr << failure.what() << '\n';

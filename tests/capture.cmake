@@ -5,6 +5,8 @@ revisit_test(revisit_capture_tests LABELS unit
         scene/capture/free_space_test.cpp
         scene/capture/light_test.cpp
         scene/capture/polygon_view_test.cpp
+        scene/capture/scanner_model_test.cpp
+        scene/capture/simulated_scan_test.cpp
         scene/capture/spread_positions_test.cpp
         scene/capture/texture_pyramid_test.cpp
         scene/capture/tracer_test.cpp

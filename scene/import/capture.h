@@ -7,6 +7,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -39,6 +40,8 @@ struct ScanSource {
     int indexInFile = 0;
     std::uint64_t byteInFile = 0; ///< where its header starts (PTX); 0 otherwise
     Pose worldFromScanner;
+    /// Where registration found it to stand; the file's own pose is then not used.
+    std::optional<Pose> registeredWorldFromScanner = std::nullopt;
     std::int64_t pointCount = 0; ///< as the file says, invalid ones included
     int rows = 0, columns = 0;   ///< 0: unstructured
 };

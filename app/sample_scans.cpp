@@ -1,0 +1,172 @@
+#include "app/sample_scans.h"
+
+#include "scene/camera_json.h"
+#include "scene/capture/simulated_scan.h"
+#include "scene/capture/spread_positions.h"
+#include "scene/errors.h"
+#include "scene/synthetic_random.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <iostream>
+#include <numbers>
+#include <optional>
+
+#include <glm/geometric.hpp>
+#include <glm/trigonometric.hpp>
+#include <nlohmann/json.hpp>
+
+namespace app {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr double kMostTiltDegrees = 1.0; ///< of a tripod that was set up by eye
+
+glm::dvec3 anyDirection(scene::SeededSequence& chance) {
+    return glm::normalize(glm::dvec3(chance.normal(), chance.normal(), chance.normal()));
+}
+
+scene::Pose turned(const glm::dvec3& axis, double radians) {
+    const double half = radians / 2;
+    const glm::dvec3 v = axis * std::sin(half);
+    return scene::poseFromQuaternion(glm::dvec3(0), v.x, v.y, v.z, std::cos(half));
+}
+
+/// Standing at a place whose up is given, turned any way and not quite plumb.
+scene::Pose setUp(const glm::dvec3& position, const scene::Pose& worldFromUpright, scene::SeededSequence& chance) {
+    const scene::Pose tilt = turned(glm::normalize(glm::dvec3(chance.normal(), chance.normal(), 0)),
+                                    glm::radians(kMostTiltDegrees) * chance.unit());
+    const scene::Pose yaw = turned({0, 0, 1}, 2 * std::numbers::pi * chance.unit());
+    scene::Pose pose = worldFromUpright * tilt * yaw;
+    pose.translation = position;
+    return pose;
+}
+
+scene::ScannerConstants<double> nominal() {
+    return {};
+}
+
+scene::ScannerConstants<double> asFoundByThePaper() {
+    scene::ScannerConstants<double> constants;
+    constants.panStepsPerHalfTurn = 14039;
+    constants.mirrorRadians = glm::radians(44.8);
+    constants.horizonPosition = 7.3;
+    constants.mirrorMetres = 0.128;
+    return constants;
+}
+
+Json describe(const scene::ScannerConstants<double>& c) {
+    return {{"pan_steps_per_half_turn", c.panStepsPerHalfTurn},
+            {"mirror_rad", c.mirrorRadians},
+            {"horizon_position", c.horizonPosition},
+            {"mirror_m", c.mirrorMetres}};
+}
+
+class SampleScans {
+  public:
+    SampleScans(const scene::ScannedWorld& world, std::vector<scene::Pose> worldFromScanners, std::uint32_t seed,
+                const SampleScansOptions& options)
+        : world_(world), worldFromScanners_(std::move(worldFromScanners)), seed_(seed), options_(options) {
+        scanner_.constants = asFoundByThePaper();
+        if (options.hasWrongConstants) believed_ = nominal();
+        scanner_.noiseMetres = options.noiseMetres;
+        scanner_.farthestMetres = options.farthestMetres;
+        setDensity(scanner_, options.samplesPerDegree);
+    }
+
+    void write(const std::filesystem::path& out) const {
+        const auto scanAt = [&](std::size_t i) {
+            scene::ScannerOptions scanner = scanner_;
+            scanner.seed = static_cast<std::uint32_t>(scene::mixBits(seed_, i));
+            scene::ScanWithIntensity read =
+                readRawScan(simulateRawScan(world_, worldFromScanners_[i], scanner), believed_);
+            read.scan.name = nameOf(i);
+            read.scan.worldFromScanner = writtenPose(i);
+            return read;
+        };
+        if (options_.format == "ptx")
+            scene::writePtx(out / "scans.ptx", worldFromScanners_.size(), scanAt);
+        else
+            scene::writeE57(out / "scans.e57", worldFromScanners_.size(), scanAt);
+        writeTruth(out / "truth.json");
+    }
+
+  private:
+    static std::string nameOf(std::size_t i) { return "scan" + std::to_string(i + 1); }
+
+    scene::Pose writtenPose(std::size_t i) const {
+        if (options_.arePosesUnknown) return {};
+        scene::SeededSequence chance(scene::mixBits(seed_ + 77u, i));
+        scene::Pose pose = worldFromScanners_[i];
+        pose.rotation = turned(anyDirection(chance), glm::radians(options_.poseErrorDegrees)).rotation * pose.rotation;
+        pose.translation += options_.poseErrorMetres * anyDirection(chance);
+        return pose;
+    }
+
+    void writeTruth(const std::filesystem::path& path) const {
+        Json scans = Json::array();
+        for (std::size_t i = 0; i < worldFromScanners_.size(); ++i)
+            scans.push_back({{"name", nameOf(i)},
+                             {"world_from_scanner", scene::rowMajor(worldFromScanners_[i])},
+                             {"written_world_from_scanner", scene::rowMajor(writtenPose(i))}});
+        std::ofstream file(path);
+        file << Json{{"constants", {{"true", describe(scanner_.constants)}, {"believed", describe(believed_)}}},
+                     {"noise_m", options_.noiseMetres},
+                     {"scans", scans}}
+                    .dump(1)
+             << '\n';
+        file.close();
+        if (!file)
+            throw scene::Failure("cannot write the file", path, "check that the folder is writable and not full");
+    }
+
+    const scene::ScannedWorld& world_;
+    std::vector<scene::Pose> worldFromScanners_;
+    std::uint32_t seed_;
+    const SampleScansOptions& options_;
+    scene::ScannerOptions scanner_;
+    scene::ScannerConstants<double> believed_ = asFoundByThePaper();
+};
+
+std::vector<scene::Pose> setUpAll(const std::vector<glm::dvec3>& positions, const scene::Pose& worldFromUpright,
+                                  std::uint32_t seed) {
+    std::vector<scene::Pose> poses;
+    for (std::size_t i = 0; i < positions.size(); ++i) {
+        scene::SeededSequence chance(scene::mixBits(seed + 11u, i));
+        poses.push_back(setUp(positions[i], worldFromUpright, chance));
+    }
+    return poses;
+}
+
+} // namespace
+
+void makeSampleScans(const std::filesystem::path& out, const std::string& sceneName, std::uint32_t seed,
+                     const SampleScansOptions& options) {
+    const auto count = static_cast<std::size_t>(options.scans);
+    if (options.polygons.empty()) {
+        const std::optional<scene::SyntheticScene> synthetic = scene::makeSyntheticScene(sceneName, seed);
+        std::vector<glm::dvec3> positions;
+        for (const scene::Pose& pose : scanPositions(*synthetic))
+            positions.push_back(pose.translation);
+        if (count > positions.size())
+            throw scene::Failure("has places for " + std::to_string(positions.size()) + " scans alone",
+                                 "--scene " + sceneName, "ask for fewer with --scans");
+        positions.resize(count);
+        const scene::ScannedWorld world = worldOf(*synthetic, options.withColour);
+        SampleScans(world, setUpAll(positions, {}, seed), seed, options).write(out);
+    } else {
+        const scene::PolygonScene polygons = scene::readPolygons(options.polygons);
+        const scene::PolygonTracer tracer(polygons);
+        const scene::SurfaceLight light(tracer, {});
+        const scene::ScannedWorld world = worldOf(tracer, light, options.withColour);
+        const scene::Pose worldFromUpright = turned({1, 0, 0}, -std::numbers::pi / 2); // their +Y is up
+        SampleScans(world, setUpAll(spreadPositions(tracer, options.scans), worldFromUpright, seed), seed, options)
+            .write(out);
+    }
+    std::cout << options.scans << " scans and their truth in " << out.string() << '\n';
+}
+
+} // namespace app

@@ -1,0 +1,32 @@
+#pragma once
+// Sample laser scans of a world that is known: by the simulated scanner, with its faults, and with the truth beside.
+//
+//   OUT/scans.e57 | scans.ptx   as a scanner's program would write them: from the constants it believes in, at the
+//                               poses somebody noted down, right or not
+//   OUT/truth.json              {"constants": {"true": {...}, "believed": {...}}, "scans": [{"name",
+//                               "world_from_scanner": [16, row-major], "written_world_from_scanner"}]}
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+
+namespace app {
+
+struct SampleScansOptions {
+    std::filesystem::path polygons; ///< scanned instead of a synthetic scene, if given
+    int scans = 4;
+    double samplesPerDegree = 4;
+    double noiseMetres = 0.005; ///< see scene::ScannerOptions
+    double farthestMetres = 30;
+    bool hasWrongConstants = false; ///< the paper's: 14,039 steps and 44.8 degrees, read as 14,000 and 45
+    bool arePosesUnknown = false;   ///< all are written as if the scanner had stood at the origin
+    double poseErrorDegrees = 0, poseErrorMetres = 0;
+    bool withColour = true;
+    std::string format = "e57"; ///< or ptx
+};
+
+/// sceneName: of scene::makeSyntheticScene; unused where polygons are given. Throws scene::Failure.
+void makeSampleScans(const std::filesystem::path& out, const std::string& sceneName, std::uint32_t seed,
+                     const SampleScansOptions& options);
+
+} // namespace app

@@ -1,0 +1,164 @@
+#include "scene/align/panorama.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include <Eigen/Eigenvalues>
+#include <glm/geometric.hpp>
+#include <tbb/parallel_for.h>
+
+namespace scene {
+
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+constexpr double kNearestMetres = 0.05; ///< nearer to the scanner is the scanner itself
+constexpr int kWindow = 2;              ///< cells to each side that a normal is found from: next to each other,
+constexpr double kWindowMetres = 0.045; ///< or farther apart where the window would be less wide than this to each side
+constexpr int kLeastInWindow = 8;
+/// Samples in most cells of the coarse panorama, from which on those of the fine one are not left empty.
+constexpr int kDenseSamples = 4;
+/// Samples of one surface in a cell lie this near to each other, metres and relatively.
+constexpr double kSameMetres = 0.03, kSameShare = 0.02;
+/// A window is smooth if its points leave their plane by less, metres and in widths of a cell.
+constexpr double kRoughMetres = 0.012, kRoughWidths = 0.35;
+
+struct Sums {
+    Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    int count = 0;
+
+    void add(const Eigen::Vector3d& p) {
+        squares += p * p.transpose();
+        sum += p;
+        ++count;
+    }
+};
+
+void findNormal(Panorama& panorama, int x, int y) {
+    PanoramaCell& cell = panorama.cells(x, y);
+    if (cell.samples == 0) return;
+    const glm::dvec3 centre(cell.point);
+    const double range = glm::length(centre), width = range * panorama.stepRadians();
+    // Near the poles cells are narrow: a window as wide as it is high takes more of them.
+    const double step = std::clamp(kWindowMetres / (kWindow * width), 1.0, 12.0);
+    const int down = static_cast<int>(step), across = static_cast<int>(step / std::max(panorama.weightOf(y), 0.05));
+    Sums sums;
+    for (int dy = -kWindow; dy <= kWindow; ++dy)
+        for (int dx = -kWindow; dx <= kWindow; ++dx) {
+            const int row = y + dy * down, column = (x + dx * across + panorama.width()) % panorama.width();
+            if (row < 0 || row >= panorama.height()) continue;
+            const PanoramaCell& other = panorama.cells(column, row);
+            if (other.samples == 0) continue;
+            const glm::dvec3 p = glm::dvec3(other.point) - centre;
+            // A floor seen at five degrees leaves a dozen widths behind for each cell.
+            if (glm::length(p) > 0.02 + 12 * kWindow * width * down) continue;
+            sums.add({p.x, p.y, p.z});
+        }
+    if (sums.count < kLeastInWindow) return;
+    const Eigen::Vector3d mean = sums.sum / sums.count;
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(
+        Eigen::Matrix3d(sums.squares / sums.count - mean * mean.transpose()));
+    const double rough = std::sqrt(std::max(solver.eigenvalues()[0], 0.0));
+    if (rough > kRoughMetres + kRoughWidths * width * down || solver.eigenvalues()[1] < 4 * solver.eigenvalues()[0])
+        return;
+    const Eigen::Vector3d n = solver.eigenvectors().col(0);
+    const glm::dvec3 normal(n.x(), n.y(), n.z());
+    cell.normal = glm::vec3(glm::dot(normal, centre) > 0 ? -normal : normal);
+}
+
+Panorama binned(const Scan& scan, int rows) {
+    const int columns = 2 * rows;
+    Panorama panorama;
+    panorama.cells = Image<PanoramaCell>(columns, rows);
+    // Points in the order of their cells.
+    const std::size_t cellCount = panorama.cells.size();
+    std::vector<std::uint32_t> cellOf(scan.pointsInScanner.size());
+    std::vector<std::size_t> first(cellCount + 1, 0);
+    constexpr std::uint32_t kNone = UINT32_MAX;
+    for (std::size_t i = 0; i < cellOf.size(); ++i) {
+        const glm::dvec3 p(scan.pointsInScanner[i]);
+        const auto place = panorama.placeOf(p);
+        cellOf[i] = kNone;
+        if (!place || glm::length(p) < kNearestMetres) continue;
+        cellOf[i] = static_cast<std::uint32_t>((*place)[1] * columns + (*place)[0]);
+        ++first[cellOf[i] + 1];
+    }
+    for (std::size_t cell = 0; cell < cellCount; ++cell)
+        first[cell + 1] += first[cell];
+    std::vector<std::size_t> next(first.begin(), first.end() - 1), sorted(first.back());
+    for (std::size_t i = 0; i < cellOf.size(); ++i)
+        if (cellOf[i] != kNone) sorted[next[cellOf[i]]++] = i;
+
+    tbb::parallel_for(0, rows, [&](int y) {
+        std::vector<double> ranges;
+        for (int x = 0; x < columns; ++x) {
+            const auto index = static_cast<std::size_t>(y * columns + x);
+            const std::size_t begin = first[index], end = first[index + 1];
+            if (begin == end) continue;
+            ranges.clear();
+            for (std::size_t i = begin; i < end; ++i)
+                ranges.push_back(glm::length(glm::dvec3(scan.pointsInScanner[sorted[i]])));
+            const auto [least, most] = std::minmax_element(ranges.begin(), ranges.end());
+            PanoramaCell& cell = panorama.cells(x, y);
+            cell.nearest = static_cast<float>(*least), cell.farthest = static_cast<float>(*most);
+            const auto middle = ranges.begin() + static_cast<std::ptrdiff_t>(ranges.size() / 2);
+            std::nth_element(ranges.begin(), middle, ranges.end());
+            const double median = *middle, reach = kSameMetres + kSameShare * median;
+            glm::dvec3 sum(0);
+            for (std::size_t i = begin; i < end; ++i) {
+                const glm::dvec3 p(scan.pointsInScanner[sorted[i]]);
+                if (std::abs(glm::length(p) - median) > reach) continue;
+                sum += p;
+                ++cell.samples;
+            }
+            cell.point = glm::vec3(sum / static_cast<double>(cell.samples));
+        }
+    });
+    return panorama;
+}
+
+/// Of the cells about the horizon that saw anything.
+int medianSamples(const Panorama& panorama) {
+    std::vector<int> samples;
+    for (int y = panorama.height() / 4; y < panorama.height() * 3 / 4; ++y)
+        for (const PanoramaCell& cell : panorama.cells.row(y))
+            if (cell.samples > 0) samples.push_back(cell.samples);
+    if (samples.empty()) return 0;
+    const auto middle = samples.begin() + static_cast<std::ptrdiff_t>(samples.size() / 2);
+    std::nth_element(samples.begin(), middle, samples.end());
+    return *middle;
+}
+
+} // namespace
+
+double Panorama::stepRadians() const {
+    return kPi / height();
+}
+
+std::optional<std::array<int, 2>> Panorama::placeOf(const glm::dvec3& d) const {
+    const double level = std::hypot(d.x, d.y);
+    if (!(level + std::abs(d.z) > 0)) return std::nullopt;
+    const double x = (std::atan2(d.y, d.x) + kPi) / stepRadians(),
+                 y = (std::atan2(d.z, level) + kPi / 2) / stepRadians();
+    return std::array{std::clamp(static_cast<int>(x), 0, width() - 1),
+                      std::clamp(static_cast<int>(y), 0, height() - 1)};
+}
+
+double Panorama::weightOf(int row) const {
+    return std::cos((row + 0.5) * stepRadians() - kPi / 2);
+}
+
+Panorama panoramaOf(const Scan& scan) {
+    Panorama panorama = binned(scan, kCoarseRows);
+    if (medianSamples(panorama) >= kDenseSamples) panorama = binned(scan, kFineRows);
+    tbb::parallel_for(0, panorama.height(), [&](int y) {
+        for (int x = 0; x < panorama.width(); ++x)
+            findNormal(panorama, x, y);
+    });
+    return panorama;
+}
+
+} // namespace scene

@@ -1,0 +1,52 @@
+#pragma once
+// A scan in small, as one sees it from the scanner: a range image over azimuth and elevation. Its cells are wider than
+// the scan's own samples, so that each is the mean of several; it is what registration looks things up in, whether the
+// scan had a grid or not.
+
+#include "scene/image.h"
+#include "scene/scan.h"
+
+#include <array>
+#include <cstdint>
+#include <optional>
+
+#include <glm/vec3.hpp>
+
+namespace scene {
+
+/// What was seen in one direction; lengths in metres, in the scanner's frame.
+struct PanoramaCell {
+    glm::vec3 point{0.0f};           ///< the mean of the samples about the median range
+    glm::vec3 normal{0.0f};          ///< unit, towards the scanner; zero: not smooth there
+    float nearest = 0, farthest = 0; ///< of all its samples
+    std::int32_t samples = 0;        ///< 0: nothing came back
+    std::int32_t plane = -1;         ///< index of the plane it lies on
+};
+
+/// Rows of a panorama: half a degree each, or a quarter where the scan is dense enough.
+inline constexpr int kCoarseRows = 360, kFineRows = 720;
+
+/// Column by azimuth from -pi, row by elevation from the nadir; twice as many columns as rows.
+struct Panorama {
+    Image<PanoramaCell> cells;
+
+    int width() const { return cells.width(); }
+    int height() const { return cells.height(); }
+    double stepRadians() const;
+    /// Column and row of a direction of any length; nothing for the origin itself.
+    std::optional<std::array<int, 2>> placeOf(const glm::dvec3& direction) const;
+    /// How many cells make one of the coarsest panorama, each way: what need not be looked at more closely is not.
+    int finerThanCoarse() const { return height() / kCoarseRows; }
+    /// Share of the sphere that a cell of this row stands for, the level ones' being 1.
+    double weightOf(int row) const;
+
+    const PanoramaCell* find(const glm::dvec3& direction) const {
+        const auto place = placeOf(direction);
+        return place ? &cells((*place)[0], (*place)[1]) : nullptr;
+    }
+};
+
+/// A scan's panorama, with normals from a window of five by five cells.
+Panorama panoramaOf(const Scan& scan);
+
+} // namespace scene

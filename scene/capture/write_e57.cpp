@@ -1,0 +1,159 @@
+#include "scene/capture/write_scans.h"
+
+#include "scene/errors.h"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <span>
+
+#include <E57Format.h>
+
+namespace scene {
+
+namespace {
+
+constexpr std::size_t kBlockPoints = 1 << 16;
+constexpr const char* kRemedy = "check that the disk has room and the folder may be written";
+
+void setPose(e57::ImageFile& file, e57::StructureNode& node, const Pose& fileFromScanner) {
+    const glm::dvec4 q = quaternionOf(fileFromScanner);
+    const glm::dvec3& t = fileFromScanner.translation;
+    e57::StructureNode pose(file), rotation(file), translation(file);
+    rotation.set("w", e57::FloatNode(file, q.w));
+    rotation.set("x", e57::FloatNode(file, q.x));
+    rotation.set("y", e57::FloatNode(file, q.y));
+    rotation.set("z", e57::FloatNode(file, q.z));
+    translation.set("x", e57::FloatNode(file, t.x));
+    translation.set("y", e57::FloatNode(file, t.y));
+    translation.set("z", e57::FloatNode(file, t.z));
+    pose.set("rotation", rotation);
+    pose.set("translation", translation);
+    node.set("pose", pose);
+}
+
+/// One block of points, field by field, in the memory that libE57Format reads from.
+struct Block {
+    std::array<std::vector<float>, 4> numbers;      ///< x y z, intensity
+    std::array<std::vector<std::int32_t>, 5> whole; ///< row, column, red, green, blue
+
+    Block() {
+        for (auto& field : numbers)
+            field.resize(kBlockPoints);
+        for (auto& field : whole)
+            field.resize(kBlockPoints);
+    }
+
+    void fill(const ScanWithIntensity& from, std::size_t first, std::size_t count) {
+        const Scan& scan = from.scan;
+        for (std::size_t i = 0; i < count; ++i) {
+            const glm::vec3& p = scan.pointsInScanner[first + i];
+            const Rgb8& colour = scan.colours[first + i];
+            numbers[0][i] = p.x, numbers[1][i] = p.y, numbers[2][i] = p.z;
+            numbers[3][i] = from.intensities[first + i];
+            if (scan.rows > 0) whole[0][i] = scan.row[first + i], whole[1][i] = scan.column[first + i];
+            whole[2][i] = colour.r, whole[3][i] = colour.g, whole[4][i] = colour.b;
+        }
+    }
+};
+
+void setNumbers(e57::ImageFile& file, e57::StructureNode& node, const char* group,
+                std::initializer_list<std::pair<const char*, e57::Node>> numbers) {
+    e57::StructureNode child(file);
+    for (const auto& [name, number] : numbers)
+        child.set(name, number);
+    node.set(group, child);
+}
+
+void addScan(e57::ImageFile& file, e57::VectorNode& data3D, const ScanWithIntensity& written, Block& block) {
+    const Scan& scan = written.scan;
+    assert(written.intensities.size() == scan.pointsInScanner.size());
+    e57::StructureNode node(file);
+    data3D.append(node);
+    node.set("name", e57::StringNode(file, scan.name));
+    setPose(file, node, scan.worldFromScanner);
+    const auto [low, high] = std::minmax_element(written.intensities.begin(), written.intensities.end());
+    const bool isEmpty = written.intensities.empty(), isGrid = scan.rows > 0;
+    setNumbers(file, node, "intensityLimits",
+               {{"intensityMinimum", e57::FloatNode(file, isEmpty ? 0.0 : double{*low})},
+                {"intensityMaximum", e57::FloatNode(file, isEmpty ? 1.0 : double{*high})}});
+
+    e57::StructureNode prototype(file);
+    std::vector<e57::SourceDestBuffer> buffers;
+    const auto addNumber = [&](const char* name, std::vector<float>& values) {
+        prototype.set(name, e57::FloatNode(file, 0.0, e57::E57_SINGLE));
+        buffers.emplace_back(file, name, values.data(), values.size(), true, false);
+    };
+    const auto addWhole = [&](const char* name, std::vector<std::int32_t>& values, int highest) {
+        prototype.set(name, e57::IntegerNode(file, 0, 0, highest));
+        buffers.emplace_back(file, name, values.data(), values.size(), true, false);
+    };
+    addNumber("cartesianX", block.numbers[0]);
+    addNumber("cartesianY", block.numbers[1]);
+    addNumber("cartesianZ", block.numbers[2]);
+    addNumber("intensity", block.numbers[3]);
+    if (isGrid) {
+        addWhole("rowIndex", block.whole[0], scan.rows - 1);
+        addWhole("columnIndex", block.whole[1], scan.columns - 1);
+        setNumbers(file, node, "indexBounds",
+                   {{"rowMinimum", e57::IntegerNode(file, 0)},
+                    {"rowMaximum", e57::IntegerNode(file, scan.rows - 1)},
+                    {"columnMinimum", e57::IntegerNode(file, 0)},
+                    {"columnMaximum", e57::IntegerNode(file, scan.columns - 1)}});
+    }
+    if (scan.hasColour) {
+        addWhole("colorRed", block.whole[2], 255);
+        addWhole("colorGreen", block.whole[3], 255);
+        addWhole("colorBlue", block.whole[4], 255);
+        setNumbers(file, node, "colorLimits",
+                   {{"colorRedMinimum", e57::IntegerNode(file, 0)},
+                    {"colorRedMaximum", e57::IntegerNode(file, 255)},
+                    {"colorGreenMinimum", e57::IntegerNode(file, 0)},
+                    {"colorGreenMaximum", e57::IntegerNode(file, 255)},
+                    {"colorBlueMinimum", e57::IntegerNode(file, 0)},
+                    {"colorBlueMaximum", e57::IntegerNode(file, 255)}});
+    }
+    e57::CompressedVectorNode points(file, prototype, e57::VectorNode(file, true));
+    node.set("points", points);
+    const std::size_t count = scan.pointsInScanner.size();
+    if (count == 0) return;
+    e57::CompressedVectorWriter writer = points.writer(buffers);
+    for (std::size_t first = 0; first < count; first += kBlockPoints) {
+        const std::size_t size = std::min(kBlockPoints, count - first);
+        block.fill(written, first, size);
+        writer.write(size);
+    }
+    writer.close();
+}
+
+} // namespace
+
+void writeE57(const std::filesystem::path& path, std::size_t count,
+              const std::function<ScanWithIntensity(std::size_t)>& scanAt) {
+    try {
+        e57::ImageFile file(path.string(), "w");
+        e57::StructureNode root = file.root();
+        file.extensionsAdd("", e57::E57_V1_0_URI);
+        root.set("formatName", e57::StringNode(file, "ASTM E57 3D Imaging Data File"));
+        root.set("guid", e57::StringNode(file, "{" + path.stem().string() + "}"));
+        root.set("versionMajor", e57::IntegerNode(file, 1));
+        root.set("versionMinor", e57::IntegerNode(file, 0));
+        e57::VectorNode data3D(file, true), images2D(file, true);
+        root.set("data3D", data3D);
+        root.set("images2D", images2D);
+        Block block;
+        try {
+            for (std::size_t i = 0; i < count; ++i)
+                addScan(file, data3D, scanAt(i), block);
+            file.close();
+        } catch (...) {
+            file.cancel(); // which removes the file
+            throw;
+        }
+    } catch (const e57::E57Exception& exception) {
+        throw Failure("cannot be written as E57 (" + e57::Utilities::errorCodeToString(exception.errorCode()) + ")",
+                      path, kRemedy);
+    }
+}
+
+} // namespace scene

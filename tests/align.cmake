@@ -1,0 +1,9 @@
+# Registration of scans.
+revisit_test(revisit_align_tests LABELS scenes TIMEOUT 300 LINKS scene_align scene_capture TBB::tbb
+    SOURCES scene/align/registration_test.cpp scene/align/scan_planes_test.cpp)
+
+# How exact and how sure registration is, over many seeds (docs/performance.md); run by hand, for minutes.
+add_executable(revisit_registration_study bench/registration_study.cpp)
+target_include_directories(revisit_registration_study PRIVATE ${CMAKE_SOURCE_DIR})
+target_link_libraries(revisit_registration_study PRIVATE revisit_flags scene_align scene_capture
+    nlohmann_json::nlohmann_json)

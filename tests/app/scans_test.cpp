@@ -1,0 +1,146 @@
+// Laser scans as a user has them: written by the simulated scanner, registered by the build, told of by info.
+
+#include "scene/pose.h"
+
+#include "tests/app/comparison.h"
+#include "tests/app/program.h"
+#include "tests/scene/scratch_folder.h"
+
+#include <cmath>
+#include <fstream>
+
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+namespace app {
+namespace {
+
+using nlohmann::json;
+using testing::HasSubstr;
+using testing::Not;
+
+const std::string kRevisit = REVISIT_PROGRAM, kMakeSample = REVISIT_MAKE_SAMPLE;
+
+scene::Pose poseOf(const json& rows) {
+    glm::dmat4 matrix(1);
+    for (int i = 0; i < 16; ++i)
+        matrix[i % 4][i / 4] = rows.at(static_cast<std::size_t>(i)).get<double>();
+    scene::Pose pose;
+    EXPECT_TRUE(poseFromMatrix(matrix, 1e-6, pose));
+    return pose;
+}
+
+/// Two scans of the room that nobody said where they stood, made once.
+class Scans : public testing::Test {
+  protected:
+    static void SetUpTestSuite() {
+        scratch_ = new scene::ScratchFolder;
+        const Outcome made = run({kMakeSample, path("capture"), "--scene", "room", "--scanner", "--scans", "2",
+                                  "--density", "2", "--no-colour", "--poses-unknown"},
+                                 folder());
+        ASSERT_EQ(made.status, 0) << made.output;
+    }
+    static void TearDownTestSuite() { delete scratch_; }
+    static std::filesystem::path folder() { return scratch_->path(); }
+    static std::string path(const std::string& name) { return (folder() / name).string(); }
+
+    static Outcome build(const std::string& scene, const std::string& how) {
+        return run({kRevisit, "build", path("capture/scans.e57"), "-o", path(scene), "--register", how}, folder());
+    }
+    /// Of the second scan against the first, after a build.
+    static void expectRight(const std::string& scene, double degrees, double metres) {
+        const json truth = readJson(path("capture/truth.json")).at("scans");
+        const json found = readJson(path(scene) + "/scene.json").at("registration").at("scans");
+        const auto between = [](const json& scans) {
+            return inverse(poseOf(scans.at(0).at("world_from_scanner"))) * poseOf(scans.at(1).at("world_from_scanner"));
+        };
+        const scene::Pose off = inverse(between(truth)) * between(found);
+        const glm::dmat3& r = off.rotation;
+        const glm::dvec3 twist(r[1][2] - r[2][1], r[2][0] - r[0][2], r[0][1] - r[1][0]);
+        EXPECT_LT(std::asin(std::min(glm::length(twist) / 2, 1.0)) * 57.29577951308232, degrees);
+        EXPECT_LT(glm::length(off.translation), metres);
+    }
+
+  private:
+    static inline scene::ScratchFolder* scratch_ = nullptr;
+};
+
+TEST_F(Scans, FindTheirPosesAndTellOfThem) {
+    const Outcome built = build("auto.revisit", "auto");
+    ASSERT_EQ(built.status, 0) << built.output;
+    EXPECT_THAT(built.output, HasSubstr("register"));
+    expectRight("auto.revisit", 0.04, 0.003);
+    const Outcome told = run({kRevisit, "info", path("auto.revisit")}, folder());
+    EXPECT_THAT(told.output, HasSubstr("registered 2 of 2 scans"));
+    EXPECT_THAT(told.output, HasSubstr("scan1, scan2: registered; overlap"));
+    // The images stand where the scans were found to stand.
+    const json scene = readJson(path("auto.revisit") + "/scene.json");
+    const scene::Pose second = poseOf(scene.at("registration").at("scans").at(1).at("world_from_scanner"));
+    EXPECT_LT(glm::distance(poseOf(scene.at("images").back().at("world_from_camera")).translation, second.translation),
+              1e-6);
+    // Once found they are not looked for again, whatever else is asked.
+    const Outcome again = run(
+        {kRevisit, "build", path("capture/scans.e57"), "-o", path("auto.revisit"), "--register", "auto", "--no-cull"},
+        folder());
+    ASSERT_EQ(again.status, 0) << again.output;
+    EXPECT_THAT(again.output, Not(HasSubstr("register")));
+}
+
+TEST_F(Scans, StandWhereTheFileSaysUnlessAsked) {
+    const Outcome built = build("given.revisit", "given");
+    ASSERT_EQ(built.status, 0) << built.output;
+    const json scene = readJson(path("given.revisit") + "/scene.json");
+    EXPECT_TRUE(scene.at("registration").is_null());
+    for (const json& image : scene.at("images"))
+        EXPECT_EQ(glm::length(poseOf(image.at("world_from_camera")).translation), 0);
+}
+
+TEST_F(Scans, TakeAPersonsWordForThePlanesTheyShare) {
+    // Places of the room on its floor, two walls and the ceiling, as either scanner has them.
+    const json truth = readJson(path("capture/truth.json")).at("scans");
+    json planes = json::array();
+    const auto inScanner = [&](std::size_t scan, const glm::dvec3& p) {
+        const glm::dvec3 q = inverse(poseOf(truth.at(scan).at("world_from_scanner"))) * p;
+        return json{q.x, q.y, q.z};
+    };
+    for (const glm::dvec3& p : {glm::dvec3(2.6, 2.0, 2.7), glm::dvec3(5.2, 2.0, 2.2), glm::dvec3(2.0, 0.0, 2.4)})
+        planes.push_back({{"a", inScanner(0, p)}, {"b", inScanner(1, p)}});
+    const auto write = [&](const json& matches) {
+        std::ofstream(path("matches.json")) << json{{"matches", matches}};
+        return path("matches.json");
+    };
+    const Outcome built = build("matched.revisit", write({{{"a", "scan1"}, {"b", "scan2"}, {"planes", planes}}}));
+    ASSERT_EQ(built.status, 0) << built.output;
+    expectRight("matched.revisit", 0.04, 0.003);
+
+    const Outcome unknown = build("no.revisit", write({{{"a", "scan1"}, {"b", "scan9"}, {"planes", planes}}}));
+    EXPECT_EQ(unknown.status, 1);
+    EXPECT_THAT(unknown.output, HasSubstr("a scan 'scan9' that the capture has not"));
+    planes.erase(2);
+    const Outcome few = build("no.revisit", write({{{"a", "scan1"}, {"b", "scan2"}, {"planes", planes}}}));
+    EXPECT_EQ(few.status, 1);
+    EXPECT_THAT(few.output, HasSubstr("has too few planes"));
+    planes.push_back({{"a", {0, 0, 0.2}}, {"b", {0, 0, 0.2}}});
+    const Outcome air = build("no.revisit", write({{{"a", "scan1"}, {"b", "scan2"}, {"planes", planes}}}));
+    EXPECT_EQ(air.status, 1);
+    EXPECT_THAT(air.output, HasSubstr("0 0 0.2 is on a plane of scan 'scan1', and none is there"));
+    const Outcome form = build("no.revisit", write({{{"a", 1}}}));
+    EXPECT_EQ(form.status, 1);
+    EXPECT_THAT(form.output, HasSubstr("is no file of matches"));
+    EXPECT_FALSE(std::filesystem::exists(path("no.revisit")));
+}
+
+TEST_F(Scans, MakeSampleRefusesWhatItCannotDo) {
+    const Outcome many = run({kMakeSample, path("many"), "--scanner", "--scans", "40"}, folder());
+    EXPECT_EQ(many.status, 1);
+    EXPECT_THAT(many.output, HasSubstr("has places for 4 scans alone"));
+    const Outcome error = run({kMakeSample, path("many"), "--scanner", "--pose-error", "3"}, folder());
+    EXPECT_EQ(error.status, 2);
+    EXPECT_THAT(error.output, HasSubstr("not DEGREES,METRES: 3"));
+}
+
+} // namespace
+} // namespace app
