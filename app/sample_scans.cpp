@@ -4,6 +4,7 @@
 #include "scene/capture/simulated_scan.h"
 #include "scene/capture/spread_positions.h"
 #include "scene/errors.h"
+#include "scene/import/polygons.h"
 #include "scene/synthetic_random.h"
 
 #include <algorithm>
