@@ -148,11 +148,13 @@ void writeCapture(const scene::SyntheticScene& synthetic, const scene::Camera& c
     writeJson(options.out / "transforms.json", transforms);
 }
 
-void writeWalk(const scene::SyntheticScene& synthetic, const SampleOptions& options) {
+/// writtenFromTrue: the scene in the world of what was written.
+void writeWalk(const scene::SyntheticScene& synthetic, const SampleOptions& options,
+               const scene::Pose& writtenFromTrue = {}) {
     Json poses = Json::array();
     const std::vector<scene::View> views = scene::walkPath(synthetic, options.walkPoses);
     for (std::size_t i = 0; i < views.size(); ++i) {
-        const scene::Pose worldFromHead = withUprightAxes(views[i].worldFromEye);
+        const scene::Pose worldFromHead = withUprightAxes(writtenFromTrue * views[i].worldFromEye);
         const glm::dvec3 p = worldFromHead.translation;
         const glm::dvec4 q = scene::quaternionOf(worldFromHead);
         poses.push_back({{"t", options.walkSeconds * static_cast<double>(i) / static_cast<double>(views.size())},
@@ -226,8 +228,9 @@ void addScanner(CLI::App& cli, bool& isScanner, SampleScansOptions& scans) {
 
 void makeScans(const SampleOptions& options, const SampleScansOptions& scans) {
     makeFolder(options.out);
-    makeSampleScans(options.out, options.sceneName, options.seed, scans);
-    if (scans.polygons.empty()) writeWalk(*scene::makeSyntheticScene(options.sceneName, options.seed), options);
+    const scene::Pose writtenFromTrue = makeSampleScans(options.out, options.sceneName, options.seed, scans);
+    if (scans.polygons.empty())
+        writeWalk(*scene::makeSyntheticScene(options.sceneName, options.seed), options, writtenFromTrue);
 }
 
 void makeSample(const SampleOptions& options, const scene::Camera& camera) {

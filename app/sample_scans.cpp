@@ -78,7 +78,8 @@ class SampleScans {
         setDensity(scanner_, options.samplesPerDegree);
     }
 
-    void write(const std::filesystem::path& out) const {
+    /// Returns the pose of the true world in the one that was written.
+    scene::Pose write(const std::filesystem::path& out) const {
         const auto scanAt = [&](std::size_t i) {
             scene::ScannerOptions scanner = scanner_;
             scanner.seed = static_cast<std::uint32_t>(scene::mixBits(seed_, i));
@@ -93,6 +94,7 @@ class SampleScans {
         else
             scene::writeE57(out / "scans.e57", worldFromScanners_.size(), scanAt);
         writeTruth(out / "truth.json");
+        return writtenPose(0) * inverse(worldFromScanners_[0]);
     }
 
   private:
@@ -144,9 +146,10 @@ std::vector<scene::Pose> setUpAll(const std::vector<glm::dvec3>& positions, cons
 
 } // namespace
 
-void makeSampleScans(const std::filesystem::path& out, const std::string& sceneName, std::uint32_t seed,
-                     const SampleScansOptions& options) {
+scene::Pose makeSampleScans(const std::filesystem::path& out, const std::string& sceneName, std::uint32_t seed,
+                            const SampleScansOptions& options) {
     const auto count = static_cast<std::size_t>(options.scans);
+    scene::Pose writtenFromTrue;
     if (options.polygons.empty()) {
         const std::optional<scene::SyntheticScene> synthetic = scene::makeSyntheticScene(sceneName, seed);
         std::vector<glm::dvec3> positions;
@@ -157,17 +160,19 @@ void makeSampleScans(const std::filesystem::path& out, const std::string& sceneN
                                  "--scene " + sceneName, "ask for fewer with --scans");
         positions.resize(count);
         const scene::ScannedWorld world = worldOf(*synthetic, options.withColour);
-        SampleScans(world, setUpAll(positions, {}, seed), seed, options).write(out);
+        writtenFromTrue = SampleScans(world, setUpAll(positions, {}, seed), seed, options).write(out);
     } else {
         const scene::PolygonScene polygons = scene::readPolygons(options.polygons);
         const scene::PolygonTracer tracer(polygons);
         const scene::SurfaceLight light(tracer, {});
         const scene::ScannedWorld world = worldOf(tracer, light, options.withColour);
         const scene::Pose worldFromUpright = turned({1, 0, 0}, -std::numbers::pi / 2); // their +Y is up
-        SampleScans(world, setUpAll(spreadPositions(tracer, options.scans), worldFromUpright, seed), seed, options)
-            .write(out);
+        writtenFromTrue =
+            SampleScans(world, setUpAll(spreadPositions(tracer, options.scans), worldFromUpright, seed), seed, options)
+                .write(out);
     }
     std::cout << options.scans << " scans and their truth in " << out.string() << '\n';
+    return writtenFromTrue;
 }
 
 } // namespace app

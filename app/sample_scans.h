@@ -6,6 +6,8 @@
 //   OUT/truth.json              {"constants": {"true": {...}, "believed": {...}}, "scans": [{"name",
 //                               "world_from_scanner": [16, row-major], "written_world_from_scanner"}]}
 
+#include "scene/pose.h"
+
 #include <cstdint>
 #include <filesystem>
 #include <string>
@@ -25,8 +27,9 @@ struct SampleScansOptions {
     std::string format = "e57"; ///< or ptx
 };
 
-/// sceneName: of scene::makeSyntheticScene; unused where polygons are given. Throws scene::Failure.
-void makeSampleScans(const std::filesystem::path& out, const std::string& sceneName, std::uint32_t seed,
-                     const SampleScansOptions& options);
+/// sceneName: of scene::makeSyntheticScene; unused where polygons are given. Returns the pose of the true world in that
+/// of what was written, as its first scan has it: registered scans stand there. Throws scene::Failure.
+scene::Pose makeSampleScans(const std::filesystem::path& out, const std::string& sceneName, std::uint32_t seed,
+                            const SampleScansOptions& options);
 
 } // namespace app
