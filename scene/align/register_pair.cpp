@@ -20,6 +20,7 @@ constexpr double kFacing = 0.985;   ///< cosine between planes that may be one
 /// have some against them, too.
 constexpr double kAgainst = 30, kRoughAgainst = 5;
 constexpr std::size_t kSettled = 30; ///< candidates whose planes are laid on each other
+constexpr double kHopeless = 0.1;    ///< of PoseEvidence::againstShare
 constexpr std::size_t kCompared = 6; ///< of those, how many are made exact and judged
 constexpr double kElsewhereMetres = 0.15, kElsewhereCosine = 0.9994;
 /// Poses nearer than this to a rough one are what its author may have meant.
@@ -175,6 +176,11 @@ PairResult registerPair(const ScanView& a, const ScanView& b, const std::optiona
     std::stable_sort(rough.begin(), rough.end(), isBetter);
     std::stable_partition(rough.begin(), rough.end(), [&](const PairFit& fit) { return isMeant(fit.aFromB); });
     if (rough.size() > kCompared) rough.resize(kCompared);
+    // What is seen through all over gets no better by a closer look; the first two are kept to tell of.
+    if (rough.size() > 2)
+        rough.erase(std::remove_if(rough.begin() + 2, rough.end(),
+                                   [](const PairFit& fit) { return fit.evidence.againstShare() > kHopeless; }),
+                    rough.end());
     std::vector<PairFit> fits;
     for (const PairFit& start : rough) {
         std::optional<PairFit> fit = settlePair(a, b, start.aFromB, options);

@@ -197,7 +197,8 @@ TEST_F(Walk, WrongUsageIsTwoAndWhatCannotBeDoneIsOne) {
     const std::vector<Case> cases{
         {{kRevisit}, 2, "subcommand"},
         {{kRevisit, "build"}, 2, "INPUT"},
-        {{kRevisit, "build", capture(), "-o", path("x.revisit"), "--register", "auto"}, 2, "registration"},
+        {{kRevisit, "build", capture(), "-o", path("x.revisit"), "--colour-even"}, 2, "colour evening"},
+        {{kRevisit, "build", capture(), "-o", path("x.revisit"), "--register", "auto"}, 1, "registers laser scans"},
         {{kRevisit, "build", capture(), "-o", path("x.revisit"), "--memory", "lots"}, 2, "--memory"},
         {{kRevisit, "render", room, "--out", path("x"), "--size", "0x10"}, 2, "--size"},
         {{kRevisit, "render", room, "--out", path("x"), "--warp", "bubbles"}, 2, "bubbles"},
