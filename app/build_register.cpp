@@ -17,7 +17,7 @@ namespace {
 using nlohmann::json;
 
 /// Changed whenever what registration finds changes, so that results of older versions are not taken for new ones.
-constexpr int kRegisterVersion = 1;
+constexpr int kRegisterVersion = 2;
 constexpr double kDegrees = 180 / std::numbers::pi;
 
 const char* nameOf(const scene::PairOutcome& pair) {
@@ -133,16 +133,20 @@ json registerCapture(scene::Capture& capture, const BuildOptions& options, Stage
         writeWhole(part / "registration.json", describe(views, registration).dump());
     });
     const json report = readJson(folder / "registration.json");
+    const auto remark = [&](const std::string& sentence) {
+        std::fprintf(stderr, "note: %s\n", sentence.c_str());
+        capture.remarks.push_back(sentence);
+    };
     for (std::size_t i = 0; i < capture.scans.size(); ++i) {
         const json& scan = report.at("scans").at(i);
         const std::string why = scan.at("why");
-        if (!why.empty()) capture.remarks.push_back(why + ".");
+        if (!why.empty()) remark(why + ".");
         if (scan.at("registered").get<bool>())
             capture.scans[i].registeredWorldFromScanner =
                 poseOf(scan.at("world_from_scanner"), folder / "registration.json");
     }
-    for (const json& remark : report.at("remarks"))
-        capture.remarks.push_back(remark);
+    for (const json& sentence : report.at("remarks"))
+        remark(sentence);
     return report;
 }
 

@@ -25,15 +25,15 @@ DrawnScene::DrawnScene(const scene::Scene& given, const DrawOptions& options) : 
 
 DeviceScene bringTo(const render::Device& device, const DrawnScene& drawn) {
     DeviceScene brought;
-    // Pictures, z-buffers and what a headset's runtime needs have their place beside it.
-    render::SceneMemory memory = drawn.memory;
-    memory.budgetBytes = std::min(memory.budgetBytes, device.roomBytes() / 4 * 3);
-    brought.images = std::make_unique<render::GpuScene>(device, drawn.scene.blocks, memory);
-    if (drawn.mayShowUnseen) brought.coverage = makeCoverage(device, drawn.scene);
     if (drawn.polygons) {
         const glm::dvec3 up = glm::transpose(drawn.scene.walkFromWorld.rotation) * glm::dvec3(0, 1, 0);
         brought.polygons = std::make_unique<render::GpuPolygons>(device, *drawn.polygons, up);
     }
+    // Images take what is left; pictures, z-buffers and what a headset's runtime needs have their place beside them.
+    render::SceneMemory memory = drawn.memory;
+    memory.budgetBytes = std::min(memory.budgetBytes, device.roomBytes() / 4 * 3);
+    brought.images = std::make_unique<render::GpuScene>(device, drawn.scene.blocks, memory);
+    if (drawn.mayShowUnseen) brought.coverage = makeCoverage(device, drawn.scene);
     return brought;
 }
 

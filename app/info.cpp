@@ -5,6 +5,8 @@
 #include "scene/scene_file.h"
 
 #include <cstdio>
+#include <set>
+#include <string>
 
 #include <nlohmann/json.hpp>
 
@@ -31,17 +33,30 @@ std::string shareText(double part, double whole) {
 void printRegistration(const json& registration) {
     if (registration.is_null()) return;
     std::size_t registered = 0;
-    for (const json& scan : registration.at("scans"))
-        registered += scan.at("registered").get<bool>();
-    std::printf("  registered %zu of %zu scans; surfaces lie on each other to %.1f mm\n", registered,
-                registration.at("scans").size(), 1e3 * registration.at("rms_m").get<double>());
-    for (const json& pair : registration.at("pairs"))
+    std::set<std::string> groups;
+    for (const json& scan : registration.at("scans")) {
+        if (!scan.at("registered").get<bool>()) continue;
+        ++registered;
+        groups.insert(scan.at("group").get<std::string>());
+    }
+    const std::string apart =
+        groups.size() > 1 ? ", in " + std::to_string(groups.size()) + " groups that nothing joins" : "";
+    std::printf("  registered %zu of %zu scans%s; surfaces lie on each other to %.1f mm\n", registered,
+                registration.at("scans").size(), apart.c_str(), 1e3 * registration.at("rms_m").get<double>());
+    for (const json& pair : registration.at("pairs")) {
+        if (!pair.at("used").get<bool>()) {
+            std::printf("  pair       %s, %s: %s; overlap %s\n", pair.at("a").get<std::string>().c_str(),
+                        pair.at("b").get<std::string>().c_str(), pair.at("verdict").get<std::string>().c_str(),
+                        shareText(pair.at("overlap"), 1).c_str());
+            continue;
+        }
         std::printf("  pair       %s, %s: %s; overlap %s, %.2f %% against, residual %.1f mm, known to %.1f mm and "
                     "%.3f degrees\n",
                     pair.at("a").get<std::string>().c_str(), pair.at("b").get<std::string>().c_str(),
                     pair.at("verdict").get<std::string>().c_str(), shareText(pair.at("overlap"), 1).c_str(),
                     100 * pair.at("against_share").get<double>(), 1e3 * pair.at("rms_m").get<double>(),
                     1e3 * pair.at("deviation_m").get<double>(), pair.at("deviation_deg").get<double>());
+    }
 }
 
 void printNotes(const Notes& notes) {

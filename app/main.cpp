@@ -43,8 +43,8 @@ void addCapture(CLI::App& build, app::BuildOptions& options) {
     build
         .add_option_function<std::string>(
             "--positions", [&](const std::string& text) { options.positions = app::parsePositions(text); },
-            "where reference images are taken: how many, spread over free space; auto: where they show most that the "
-            "others do not; or a JSON file of places in the file's own coordinates: {\"positions\": [[x, y, z], ...]}")
+            "where reference images are taken: how many, spread over free space; auto: such that walkers see most of "
+            "what there is; or a JSON file of places in the file's own coordinates: {\"positions\": [[x, y, z], ...]}")
         ->type_name("N|auto|FILE")
         ->group(group);
     build

@@ -182,8 +182,10 @@ bool parsePoseError(const std::string& text, SampleScansOptions& scans) {
 
 void addScanner(CLI::App& cli, bool& isScanner, SampleScansOptions& scans) {
     const std::string group = "Laser scans";
-    cli.add_flag("--scanner", isScanner, "laser scans by a simulated scanner instead of images: scans.e57, truth.json")
-        ->group(group);
+    CLI::Option* const scanner = cli.add_flag("--scanner", isScanner,
+                                              "laser scans by a simulated scanner instead of images: scans.e57, "
+                                              "truth.json")
+                                     ->group(group);
     cli.add_option("--polygons", scans.polygons, "scan this polygon scene, in soft light")
         ->check(CLI::ExistingFile)
         ->group(group);
@@ -193,9 +195,10 @@ void addScanner(CLI::App& cli, bool& isScanner, SampleScansOptions& scans) {
         ->check(CLI::Range(0.5, 50.0))
         ->capture_default_str()
         ->group(group);
-    cli.add_option("--range-noise-mm", scans.noiseMetres,
-                   "standard deviation of range at 3 m from a half bright surface, in millimetres")
-        ->transform([](const std::string& text) { return std::to_string(std::stod(text) / 1000); })
+    cli.add_option_function<double>(
+           "--range-noise-mm", [&scans](double millimetres) { scans.noiseMetres = millimetres / 1000; },
+           "standard deviation of range at 3 m from a half bright surface, in millimetres")
+        ->check(CLI::Range(0.0, 1000.0))
         ->default_str("5")
         ->group(group);
     cli.add_option("--farthest", scans.farthestMetres, "metres beyond which nothing comes back")
@@ -224,6 +227,8 @@ void addScanner(CLI::App& cli, bool& isScanner, SampleScansOptions& scans) {
         ->check(CLI::IsMember({"e57", "ptx"}))
         ->capture_default_str()
         ->group(group);
+    for (CLI::Option* const option : cli.get_options())
+        if (option->get_group() == group && option != scanner) option->needs(scanner);
 }
 
 void makeScans(const SampleOptions& options, const SampleScansOptions& scans) {

@@ -115,7 +115,8 @@ void renderScene(const RenderOptions& options) {
     const std::vector<NamedView> views = listViews(options, scene);
     const int eyes = options.eyes > 0 ? options.eyes : options.path.empty() ? 1 : 2;
     const render::Quality quality = qualityOf(options.draw);
-    const DrawnScene drawnScene(scene, options.draw);
+    DrawnScene drawnScene(scene, options.draw);
+    drawnScene.mayShowUnseen = quality.showUnseen;
     Canvas canvas(drawnScene);
     DamageTeller damage;
     Selection selection(scene);

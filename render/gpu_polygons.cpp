@@ -2,9 +2,11 @@
 
 #include "render/device.h"
 #include "render/pipeline.h"
+#include "scene/errors.h"
 
 #include <algorithm>
 #include <array>
+#include <limits>
 
 #include <glm/geometric.hpp>
 #include <glm/gtc/packing.hpp>
@@ -81,8 +83,17 @@ void GpuPolygons::makeMaterials(const Device& device, const scene::PolygonScene&
 }
 
 void GpuPolygons::makeMeshes(const Device& device, const scene::PolygonScene& scene, const glm::dvec3& upInWorld) {
+    std::size_t vertexCount = 0, indexCount = 0;
+    for (const scene::PolygonMesh& mesh : scene.meshes)
+        vertexCount += mesh.positions.size(), indexCount += 3 * mesh.triangles.size();
+    if (vertexCount > std::numeric_limits<std::int32_t>::max() ||
+        indexCount > std::numeric_limits<std::uint32_t>::max())
+        throw scene::Failure("has more corners than a device can number",
+                             scene.files.empty() ? std::string("the polygons") : scene.files.front().string(),
+                             "divide it, or leave out what is not needed");
     std::vector<PolygonVertex> vertices;
     std::vector<std::uint32_t> indices;
+    vertices.reserve(vertexCount), indices.reserve(indexCount);
     std::vector<Placed> placed;
     for (const scene::PolygonMesh& mesh : scene.meshes) {
         Placed place{static_cast<std::uint32_t>(indices.size()), static_cast<std::uint32_t>(vertices.size()), {}, {}};

@@ -18,6 +18,13 @@ Pose inverse(const Pose& bFromA) {
     return {aFromBRotation, -(aFromBRotation * bFromA.translation)};
 }
 
+double cosineBetween(const glm::dmat3& a, const glm::dmat3& b) {
+    double trace = 0;
+    for (int i = 0; i < 3; ++i)
+        trace += glm::dot(a[i], b[i]);
+    return (trace - 1) / 2;
+}
+
 glm::dmat4 toMatrix(const Pose& bFromA) {
     glm::dmat4 matrix(bFromA.rotation);
     matrix[3] = glm::dvec4(bFromA.translation, 1.0);

@@ -33,6 +33,9 @@ Pose operator*(const Pose& cFromB, const Pose& bFromA);
 /// aFromB.
 Pose inverse(const Pose& bFromA);
 
+/// Of the angle by which two rotations differ.
+double cosineBetween(const glm::dmat3& a, const glm::dmat3& b);
+
 glm::dmat4 toMatrix(const Pose& bFromA);
 
 /// The pose in a 4x4 matrix: finite, last row 0 0 0 1, rotation orthonormal within tolerance and right-handed

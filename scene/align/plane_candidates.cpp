@@ -103,13 +103,6 @@ glm::dmat3 frameOf(const glm::dvec3& first, const glm::dvec3& second) {
     return {first, across, glm::cross(first, across)};
 }
 
-double cosineBetween(const glm::dmat3& a, const glm::dmat3& b) {
-    double trace = 0;
-    for (int i = 0; i < 3; ++i)
-        trace += glm::dot(a[i], b[i]);
-    return (trace - 1) / 2;
-}
-
 std::vector<Rotation> findRotations(const std::vector<Direction>& a, const std::vector<Direction>& b, double radians) {
     std::vector<Rotation> found;
     const double same = std::cos(2 * radians);

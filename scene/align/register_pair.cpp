@@ -27,17 +27,13 @@ constexpr double kElsewhereMetres = 0.15, kElsewhereCosine = 0.9994;
 constexpr double kRoughMetres = 1.0, kRoughCosine = 0.94;
 
 bool areElsewhere(const Pose& a, const Pose& b) {
-    double trace = 0;
-    for (int i = 0; i < 3; ++i)
-        trace += glm::dot(a.rotation[i], b.rotation[i]);
-    return glm::distance(a.translation, b.translation) > kElsewhereMetres || (trace - 1) / 2 < kElsewhereCosine;
+    return glm::distance(a.translation, b.translation) > kElsewhereMetres ||
+           cosineBetween(a.rotation, b.rotation) < kElsewhereCosine;
 }
 
 bool isAbout(const Pose& rough, const Pose& pose) {
-    double trace = 0;
-    for (int i = 0; i < 3; ++i)
-        trace += glm::dot(rough.rotation[i], pose.rotation[i]);
-    return glm::distance(rough.translation, pose.translation) < kRoughMetres && (trace - 1) / 2 > kRoughCosine;
+    return glm::distance(rough.translation, pose.translation) < kRoughMetres &&
+           cosineBetween(rough.rotation, pose.rotation) > kRoughCosine;
 }
 
 void countMeetings(const ScanView& from, const ScanView& to, const Pose& toFromFrom, double metres, bool isSwapped,

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numeric>
 
 #include <glm/geometric.hpp>
@@ -20,6 +21,8 @@ constexpr double kOtherUnits =
 /// Scans of a group contradict each other if as much of what both saw cannot be. More than for a pair alone: errors of
 /// several pairs add up before all are adjusted.
 constexpr double kContradiction = 0.02, kLeastContradiction = 0.003;
+/// By so much a loop of pairs may stay open before all are adjusted; about a degree.
+constexpr double kOpenLoopMetres = 0.15, kOpenLoopCosine = 0.9998;
 
 /// "1.2 %" for sentences.
 std::string shareText(double share) {
@@ -28,12 +31,19 @@ std::string shareText(double share) {
     return text;
 }
 
-/// Whether anybody said where scans stand: files without poses put all at one place.
-bool arePosesGiven(const std::vector<ScanView>& scans) {
-    return std::any_of(scans.begin(), scans.end(), [&](const ScanView& scan) {
-        return glm::distance(scan.givenWorldFromScanner.translation, scans[0].givenWorldFromScanner.translation) >
-               kSamePlaceMetres;
-    });
+bool isIdentity(const Pose& pose) {
+    return pose.rotation == glm::dmat3(1.0) && pose.translation == glm::dvec3(0.0);
+}
+
+/// Of each scan, whether anybody said where it stands. Files without poses leave scans at the origin, unturned; that
+/// one alone stands so may be meant.
+std::vector<bool> arePosesGiven(const std::vector<ScanView>& scans) {
+    const auto unturned = std::count_if(scans.begin(), scans.end(),
+                                        [](const ScanView& scan) { return isIdentity(scan.givenWorldFromScanner); });
+    std::vector<bool> areGiven;
+    for (const ScanView& scan : scans)
+        areGiven.push_back(unturned < 2 || !isIdentity(scan.givenWorldFromScanner));
+    return areGiven;
 }
 
 class Joining {
@@ -56,7 +66,8 @@ class Joining {
             if (group_[pair->a] == group_[pair->b]) {
                 // A loop: it must close.
                 const Pose off = inverse(groupFromB) * poses_[pair->b];
-                pair->isRefused = glm::length(off.translation) > 0.15;
+                pair->isRefused = glm::length(off.translation) > kOpenLoopMetres ||
+                                  cosineBetween(off.rotation, glm::dmat3(1.0)) < kOpenLoopCosine;
                 pair->isUsed = !pair->isRefused;
                 continue;
             }
@@ -130,6 +141,26 @@ class Joining {
             scan.deviation = joint.deviations[i];
         }
         registration_.rmsMetres = std::max(registration_.rmsMetres, joint.rmsMetres);
+        if (!joint.isHeld)
+            registration_.remarks.push_back("What scan '" + scans_[first].name + "' and those registered to it " +
+                                            "have in common leaves one of them free to slide.");
+        judge(members);
+    }
+
+    /// After all were adjusted two scans may contradict each other that did not by themselves.
+    void judge(const std::vector<std::size_t>& members) {
+        for (const std::size_t i : members)
+            for (const std::size_t j : members) {
+                if (j <= i) continue;
+                const Pose iFromJ =
+                    inverse(registration_.scans[i].worldFromScanner) * registration_.scans[j].worldFromScanner;
+                const PoseEvidence evidence = checkPose(scans_[i].panorama, scans_[j].panorama, iFromJ);
+                if (evidence.against <= kLeastContradiction || evidence.againstShare() <= kContradiction) continue;
+                registration_.remarks.push_back(
+                    "Scans '" + scans_[i].name + "' and '" + scans_[j].name +
+                    "' contradict each other where they were registered: " + shareText(evidence.againstShare()) +
+                    " of what both saw stands where the other saw through.");
+            }
     }
 
     const std::vector<ScanView>& scans_;
@@ -146,7 +177,7 @@ bool faceOneWay(const std::vector<ScanPlane>& planes) {
 }
 
 std::string whyNot(std::size_t scan, const std::vector<ScanView>& scans, const Registration& registration) {
-    const std::string name = "scan '" + scans[scan].name + "' stands where it was said to stand: ";
+    const std::string name = "Scan '" + scans[scan].name + "' stands where it was said to stand: ";
     if (scans[scan].planes.empty()) return name + "no plane was found in it";
     if (faceOneWay(scans[scan].planes)) return name + "all its planes face one way, which leaves it free to slide";
     const PairOutcome* best = nullptr;
@@ -174,17 +205,44 @@ std::string whyNot(std::size_t scan, const std::vector<ScanView>& scans, const R
            other;
 }
 
+/// Groups that nothing joins overlap by chance: each has its first scan where that was said to stand.
+void remarkGroups(const std::vector<ScanView>& scans, Registration& registration) {
+    std::map<std::size_t, std::string> groups;
+    for (std::size_t i = 0; i < scans.size(); ++i) {
+        if (!registration.scans[i].isRegistered) continue;
+        std::string& names = groups[registration.scans[i].group];
+        names += (names.empty() ? "'" : ", '") + scans[i].name + "'";
+    }
+    if (groups.size() < 2) return;
+    std::string all;
+    for (const auto& [first, names] : groups)
+        all += (all.empty() ? "" : "; and ") + names;
+    registration.remarks.push_back("The scans fall into " + std::to_string(groups.size()) +
+                                   " groups that nothing joins: " + all +
+                                   ". Where the groups stand to each other is as their files say, or not known.");
+}
+
 /// What one can know of a scan before anything is compared.
 void remarkUnits(const std::vector<ScanView>& scans, std::vector<std::string>& remarks) {
+    std::vector<const ScanView*> filled;
     std::vector<double> ranges;
     for (const ScanView& scan : scans)
-        ranges.push_back(scan.medianRangeMetres);
+        if (scan.medianRangeMetres > 0) filled.push_back(&scan), ranges.push_back(scan.medianRangeMetres);
+    if (filled.size() < 2) return;
+    if (filled.size() == 2) {
+        const auto [least, most] = std::minmax(ranges[0], ranges[1]);
+        if (most > kOtherUnits * least)
+            remarks.push_back("One of the scans '" + filled[0]->name + "' and '" + filled[1]->name +
+                              "' is in other units (millimetres, metres) than the other; export both in metres.");
+        return;
+    }
     std::nth_element(ranges.begin(), ranges.begin() + static_cast<std::ptrdiff_t>(ranges.size() / 2), ranges.end());
     const double usual = ranges[ranges.size() / 2];
-    for (const ScanView& scan : scans) {
-        const double times = scan.medianRangeMetres / std::max(usual, 1e-9);
+    for (const ScanView* scan : filled) {
+        const double times = scan->medianRangeMetres / usual;
         if (times > kOtherUnits || times * kOtherUnits < 1)
-            remarks.push_back("scan '" + scan.name + "' is " + std::string(times > 1 ? "much larger" : "much smaller") +
+            remarks.push_back("Scan '" + scan->name + "' is " +
+                              std::string(times > 1 ? "much larger" : "much smaller") +
                               " than the others, as if it were in other units (millimetres, metres); export it in "
                               "metres.");
     }
@@ -198,11 +256,12 @@ Registration registerScans(const std::vector<ScanView>& scans, const Registratio
     for (std::size_t i = 0; i < scans.size(); ++i)
         for (std::size_t j = i + 1; j < scans.size(); ++j)
             pairs.push_back({i, j, {}, false, false});
-    const bool isRough = arePosesGiven(scans);
+    const std::vector<bool> areGiven = arePosesGiven(scans);
     tbb::parallel_for(std::size_t{0}, pairs.size(), [&](std::size_t k) {
         const ScanView &a = scans[pairs[k].a], &b = scans[pairs[k].b];
         std::optional<Pose> rough;
-        if (isRough) rough = inverse(a.givenWorldFromScanner) * b.givenWorldFromScanner;
+        if (areGiven[pairs[k].a] && areGiven[pairs[k].b])
+            rough = inverse(a.givenWorldFromScanner) * b.givenWorldFromScanner;
         pairs[k].result = registerPair(a, b, rough, options.pair);
         if (told) told();
     });
@@ -219,6 +278,7 @@ Registration joinScans(const std::vector<ScanView>& scans, std::vector<PairOutco
     Joining joining(scans, options, registration);
     joining.join();
     joining.adjust();
+    remarkGroups(scans, registration);
 
     for (std::size_t i = 0; i < scans.size(); ++i) {
         ScanOutcome& scan = registration.scans[i];
@@ -232,11 +292,11 @@ Registration joinScans(const std::vector<ScanView>& scans, std::vector<PairOutco
         });
         if (fitsNowhere && other < scans.size() && isMirrorOf(scans[other], scans[i], options.pair))
             scan.why += "; seen in a mirror it fits '" + scans[other].name +
-                        "': one of its axes is turned round, export it with right-handed axes";
+                        "': one axis of the one or of the other is turned round, export both with right-handed axes";
     }
     for (const PairOutcome& pair : registration.pairs)
         if (pair.isUsed && glm::length(pair.result.best.aFromB.translation) < kSamePlaceMetres)
-            registration.remarks.push_back("scans '" + scans[pair.a].name + "' and '" + scans[pair.b].name +
+            registration.remarks.push_back("Scans '" + scans[pair.a].name + "' and '" + scans[pair.b].name +
                                            "' were taken from the same place.");
     return registration;
 }

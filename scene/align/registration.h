@@ -17,7 +17,7 @@ struct RegistrationOptions {
 };
 
 struct PairOutcome {
-    std::size_t a = 0, b = 0; ///< indices of scans, a < b
+    std::size_t a = 0, b = 0; ///< indices of scans
     PairResult result;        ///< as the two alone have it
     bool isUsed = false;      ///< it joins two scans of a group
     bool isRefused = false;   ///< sure by itself, but a third scan says otherwise

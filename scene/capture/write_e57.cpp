@@ -1,10 +1,14 @@
 #include "scene/capture/write_scans.h"
 
 #include "scene/errors.h"
+#include "scene/synthetic_random.h"
+#include "scene/unfinished_file.h"
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cassert>
+#include <cstdio>
 #include <span>
 
 #include <E57Format.h>
@@ -14,7 +18,6 @@ namespace scene {
 namespace {
 
 constexpr std::size_t kBlockPoints = 1 << 16;
-constexpr const char* kRemedy = "check that the disk has room and the folder may be written";
 
 void setPose(e57::ImageFile& file, e57::StructureNode& node, const Pose& fileFromScanner) {
     const glm::dvec4 q = quaternionOf(fileFromScanner);
@@ -30,6 +33,26 @@ void setPose(e57::ImageFile& file, e57::StructureNode& node, const Pose& fileFro
     pose.set("rotation", rotation);
     pose.set("translation", translation);
     node.set("pose", pose);
+}
+
+/// Names what is written, the same for the same content: two hashes in the form that others expect.
+std::string guidOf(const std::string& name, std::uint64_t content) {
+    std::uint64_t high = mixBits(content, name.size()), low = mixBits(~content, name.size());
+    for (const char letter : name)
+        high = mixBits(high, static_cast<unsigned char>(letter)), low = mixBits(low ^ high, content);
+    char text[48];
+    std::snprintf(text, sizeof text, "{%08llX-%04llX-%04llX-%04llX-%012llX}",
+                  static_cast<unsigned long long>(high >> 32), static_cast<unsigned long long>(high >> 16 & 0xffff),
+                  static_cast<unsigned long long>(high & 0xffff), static_cast<unsigned long long>(low >> 48),
+                  static_cast<unsigned long long>(low & 0xffffffffffff));
+    return text;
+}
+
+std::string guidOf(const ScanWithIntensity& written) {
+    std::uint64_t content = written.scan.pointsInScanner.size();
+    for (const glm::vec3& p : written.scan.pointsInScanner)
+        content = mixBits(content ^ std::bit_cast<std::uint32_t>(p.x), std::bit_cast<std::uint32_t>(p.y));
+    return guidOf(written.scan.name, content);
 }
 
 /// One block of points, field by field, in the memory that libE57Format reads from.
@@ -71,6 +94,7 @@ void addScan(e57::ImageFile& file, e57::VectorNode& data3D, const ScanWithIntens
     e57::StructureNode node(file);
     data3D.append(node);
     node.set("name", e57::StringNode(file, scan.name));
+    node.set("guid", e57::StringNode(file, guidOf(written)));
     setPose(file, node, scan.worldFromScanner);
     const auto [low, high] = std::minmax_element(written.intensities.begin(), written.intensities.end());
     const bool isEmpty = written.intensities.empty(), isGrid = scan.rows > 0;
@@ -131,11 +155,12 @@ void addScan(e57::ImageFile& file, e57::VectorNode& data3D, const ScanWithIntens
 void writeE57(const std::filesystem::path& path, std::size_t count,
               const std::function<ScanWithIntensity(std::size_t)>& scanAt) {
     try {
-        e57::ImageFile file(path.string(), "w");
+        const UnfinishedFile unfinished(path);
+        e57::ImageFile file(unfinished.path().string(), "w");
         e57::StructureNode root = file.root();
         file.extensionsAdd("", e57::E57_V1_0_URI);
         root.set("formatName", e57::StringNode(file, "ASTM E57 3D Imaging Data File"));
-        root.set("guid", e57::StringNode(file, "{" + path.stem().string() + "}"));
+        root.set("guid", e57::StringNode(file, guidOf(path.stem().string(), count)));
         root.set("versionMajor", e57::IntegerNode(file, 1));
         root.set("versionMinor", e57::IntegerNode(file, 0));
         e57::VectorNode data3D(file, true), images2D(file, true);
@@ -146,13 +171,14 @@ void writeE57(const std::filesystem::path& path, std::size_t count,
             for (std::size_t i = 0; i < count; ++i)
                 addScan(file, data3D, scanAt(i), block);
             file.close();
+            unfinished.finish();
         } catch (...) {
             file.cancel(); // which removes the file
             throw;
         }
     } catch (const e57::E57Exception& exception) {
         throw Failure("cannot be written as E57 (" + e57::Utilities::errorCodeToString(exception.errorCode()) + ")",
-                      path, kRemedy);
+                      path, kWriteRemedy);
     }
 }
 

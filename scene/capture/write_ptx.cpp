@@ -2,6 +2,7 @@
 
 #include "scene/errors.h"
 #include "scene/image.h"
+#include "scene/unfinished_file.h"
 
 #include <cassert>
 #include <cstdio>
@@ -10,8 +11,6 @@
 namespace scene {
 
 namespace {
-
-constexpr const char* kRemedy = "check that the disk has room and the folder may be written";
 
 /// As import/ptx.h has it: the scanner's place and axes, then the same as a matrix for row vectors.
 void writeHeader(std::ofstream& file, const Scan& scan) {
@@ -34,7 +33,8 @@ void writeHeader(std::ofstream& file, const Scan& scan) {
 
 void writePtx(const std::filesystem::path& path, std::size_t count,
               const std::function<ScanWithIntensity(std::size_t)>& scanAt) {
-    std::ofstream file(path, std::ios::binary);
+    const UnfinishedFile unfinished(path);
+    std::ofstream file(unfinished.path(), std::ios::binary);
     for (std::size_t k = 0; k < count && file; ++k) {
         const ScanWithIntensity written = scanAt(k);
         const Scan& scan = written.scan;
@@ -64,11 +64,8 @@ void writePtx(const std::filesystem::path& path, std::size_t count,
             }
     }
     file.close();
-    if (!file) {
-        std::error_code ignored;
-        std::filesystem::remove(path, ignored);
-        throw Failure("cannot be written", path, kRemedy);
-    }
+    if (!file) throw Failure("cannot be written", path, kWriteRemedy);
+    unfinished.finish();
 }
 
 } // namespace scene

@@ -170,9 +170,9 @@ class Choice {
     bool improve(std::size_t at, std::span<const std::size_t> candidates) {
         std::vector<double> shares(candidates.size(), std::numeric_limits<double>::infinity());
         tbb::parallel_for(std::size_t{0}, candidates.size(), [&](std::size_t i) {
-            if (std::find(chosen_.begin(), chosen_.end(), candidates[i]) != chosen_.end()) return;
             std::vector<std::size_t> tried = chosen_;
             tried[at] = candidates[i];
+            if (std::count(tried.begin(), tried.end(), candidates[i]) > 1) return;
             shares[i] = sight_->unknownShare(tried);
         });
         trials_ += std::ssize(candidates);

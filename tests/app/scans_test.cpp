@@ -99,7 +99,7 @@ TEST_F(Scans, StandWhereTheFileSaysUnlessAsked) {
 }
 
 TEST_F(Scans, TakeAPersonsWordForThePlanesTheyShare) {
-    // Places of the room on its floor, two walls and the ceiling, as either scanner has them.
+    // Places of the room on its ceiling and two walls, as either scanner has them.
     const json truth = readJson(path("capture/truth.json")).at("scans");
     json planes = json::array();
     const auto inScanner = [&](std::size_t scan, const glm::dvec3& p) {
@@ -115,6 +115,14 @@ TEST_F(Scans, TakeAPersonsWordForThePlanesTheyShare) {
     const Outcome built = build("matched.revisit", write({{{"a", "scan1"}, {"b", "scan2"}, {"planes", planes}}}));
     ASSERT_EQ(built.status, 0) << built.output;
     expectRight("matched.revisit", 0.04, 0.003);
+
+    // What cannot be is not made true by anybody's word: here the walls are taken for the ceiling.
+    json wrong = planes;
+    std::swap(wrong[0]["b"], wrong[1]["b"]);
+    const Outcome odd = build("odd.revisit", write({{{"a", "scan1"}, {"b", "scan2"}, {"planes", wrong}}}));
+    ASSERT_EQ(odd.status, 0) << odd.output;
+    EXPECT_THAT(odd.output, HasSubstr("note: Scan 'scan2' stands where it was said to stand"));
+    EXPECT_FALSE(readJson(path("odd.revisit") + "/scene.json").at("registration").at("scans")[1].at("registered"));
 
     const Outcome unknown = build("no.revisit", write({{{"a", "scan1"}, {"b", "scan9"}, {"planes", planes}}}));
     EXPECT_EQ(unknown.status, 1);
@@ -140,6 +148,13 @@ TEST_F(Scans, MakeSampleRefusesWhatItCannotDo) {
     const Outcome error = run({kMakeSample, path("many"), "--scanner", "--pose-error", "3"}, folder());
     EXPECT_EQ(error.status, 2);
     EXPECT_THAT(error.output, HasSubstr("not DEGREES,METRES: 3"));
+    for (const std::vector<std::string>& wrong : {std::vector<std::string>{"--scanner", "--range-noise-mm", "abc"},
+                                                  {"--scanner", "--range-noise-mm", "-5"},
+                                                  {"--scans", "2"}}) {
+        std::vector<std::string> command{kMakeSample, path("many")};
+        command.insert(command.end(), wrong.begin(), wrong.end());
+        EXPECT_EQ(run(command, folder()).status, 2) << wrong.back();
+    }
 }
 
 } // namespace

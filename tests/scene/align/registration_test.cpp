@@ -151,7 +151,7 @@ TEST(Registration, AScanInAMirrorIsNamed) {
     EXPECT_EQ(mirrored(turnedRound).panorama.cells(5, 100).point, b.panorama.cells(5, 100).point);
     const Registration found = registerScans({a, turnedRound});
     EXPECT_FALSE(found.scans[1].isRegistered);
-    EXPECT_THAT(found.scans[1].why, HasSubstr("one of its axes is turned round"));
+    EXPECT_THAT(found.scans[1].why, HasSubstr("one axis of the one or of the other is turned round"));
 }
 
 TEST(Registration, MillimetresAreNoticed) {
@@ -161,7 +161,7 @@ TEST(Registration, MillimetresAreNoticed) {
         p *= 1000.0f;
     const Registration found = registerScans({viewFrom(place, setUpAt({1.4, 1.1, 1.5}, 1), 1), viewOf(scan)});
     ASSERT_FALSE(found.remarks.empty());
-    EXPECT_THAT(found.remarks[0], HasSubstr("in other units (millimetres, metres)"));
+    EXPECT_THAT(found.remarks[0], HasSubstr("One of the scans 'scan1' and 'scan2' is in other units"));
     EXPECT_FALSE(found.scans[1].isRegistered);
 }
 
@@ -183,6 +183,35 @@ TEST(Registration, TwoScansFromOnePlaceAreSaidToBe) {
     ASSERT_TRUE(found.scans[1].isRegistered) << found.scans[1].why;
     ASSERT_EQ(found.remarks.size(), 1u);
     EXPECT_THAT(found.remarks[0], HasSubstr("from the same place"));
+}
+
+TEST(Registration, GroupsThatNothingJoinsAreSaidToBe) {
+    const SyntheticScene place = office();
+    std::vector<ScanView> views{viewFrom(place, setUpAt({1.4, 1.1, 1.5}, 1), 1),
+                                viewFrom(place, setUpAt({4.4, 2.9, 1.6}, 2), 2)};
+    const PairResult pair = registerPair(views[0], views[1], std::nullopt);
+    ASSERT_EQ(pair.verdict, PairVerdict::registered);
+    for (const std::size_t i : {0, 1}) { // the same rooms elsewhere, of which nobody knows where
+        views.push_back(views[i]);
+        views.back().name = "other" + std::to_string(i);
+    }
+    const Registration apart = joinScans(views, {{0, 1, pair, false, false}, {2, 3, pair, false, false}});
+    ASSERT_EQ(apart.remarks.size(), 1u);
+    EXPECT_THAT(apart.remarks[0], HasSubstr("2 groups that nothing joins: 'scan1', 'scan2'; and 'other0', 'other1'"));
+    const Registration one = joinScans({views[0], views[1]}, {{0, 1, pair, false, false}});
+    EXPECT_TRUE(one.remarks.empty());
+}
+
+TEST(Registration, AScanWithoutPoseIsNotTakenToStandAtTheOrigin) {
+    const SyntheticScene place = office();
+    // Two files have no pose, one has: what it says must not pull the others towards where they never stood.
+    const std::vector<ScanView> views{viewFrom(place, setUpAt({1.4, 1.1, 1.5}, 1), 1),
+                                      viewFrom(place, setUpAt({1.9, 1.4, 1.5}, 2), 2),
+                                      viewFrom(place, setUpAt({4.4, 2.9, 1.6}, 3), 3, setUpAt({20, 5, 1}, 9))};
+    const Registration found = registerScans(views);
+    for (const PairOutcome& pair : found.pairs)
+        EXPECT_FALSE(pair.result.isDecidedByGivenPose);
+    EXPECT_TRUE(found.scans[1].isRegistered) << found.scans[1].why;
 }
 
 TEST(Registration, OneScanAloneOrNoneIsNoTrouble) {

@@ -92,6 +92,21 @@ TEST(SightSearch, EndsWhereNoMoreIsToBeGained) {
     EXPECT_EQ(searchBySight(corridor.places(), corridor.lines(), options).positions.size(), 2u);
 }
 
+TEST(SightSearch, TakesAllPlacesWhereThereAreNoMore) {
+    const Corridor corridor{4, true};
+    const std::vector<glm::dvec3> places{{-2, 0, 1.6}, {2, 0, 1.6}, {3, 0.5, 1.6}};
+    for (const int count : {1, 2, 3}) {
+        SightSearchOptions options;
+        options.count = count;
+        options.mostStretch = 100;
+        const SightSearchResult found =
+            searchBySight(std::span(places).first(static_cast<std::size_t>(count)), corridor.lines(), options);
+        ASSERT_EQ(found.positions.size(), static_cast<std::size_t>(count));
+        EXPECT_TRUE(std::is_permutation(found.positions.begin(), found.positions.end(), places.begin()));
+        EXPECT_LT(found.unknownShare, 0.01) << "each walker stands at a position";
+    }
+}
+
 TEST(SightSearch, TheSameOnOneThreadAndOnAll) {
     const KnownSite site = furnishedRoom();
     SightSearchOptions options;
