@@ -11,6 +11,7 @@
 #include "scene/errors.h"
 #include "scene/import/photo.h"
 #include "scene/scene_file.h"
+#include "scene/unfinished_file.h"
 
 #include <cerrno>
 #include <cstring>
@@ -26,8 +27,6 @@ namespace app {
 namespace {
 
 using nlohmann::json;
-
-constexpr const char* kWriteRemedy = "check that the disk has room and the folder may be written";
 
 json describeOptions(const BuildOptions& o) {
     return {{"hold_out", o.holdOut},
@@ -103,7 +102,7 @@ void putInPlace(const std::filesystem::path& part, const std::filesystem::path& 
     if (!std::filesystem::exists(output, ignored)) {
         if (::rename(part.c_str(), output.c_str()) != 0)
             throw scene::Failure(std::string("cannot be renamed into place (") + std::strerror(errno) + ")", output,
-                                 kWriteRemedy);
+                                 scene::kWriteRemedy);
         return;
     }
     if (renameat2(AT_FDCWD, part.c_str(), AT_FDCWD, output.c_str(), RENAME_EXCHANGE) != 0)
@@ -119,14 +118,14 @@ void carryWalkersFiles(const std::filesystem::path& from, const std::filesystem:
         std::error_code error;
         if (!std::filesystem::exists(from / name, error)) continue;
         std::filesystem::copy_file(from / name, part / name, error);
-        if (error) throw scene::Failure("cannot be copied (" + error.message() + ")", from / name, kWriteRemedy);
+        if (error) throw scene::Failure("cannot be copied (" + error.message() + ")", from / name, scene::kWriteRemedy);
     }
 }
 
 void writeImages(const std::filesystem::path& folder, const ImportedImages& imported, const TileStage& tiles) {
     std::error_code error;
     std::filesystem::create_directories(folder, error);
-    if (error) throw scene::Failure("cannot be made (" + error.message() + ")", folder, kWriteRemedy);
+    if (error) throw scene::Failure("cannot be made (" + error.message() + ")", folder, scene::kWriteRemedy);
     Progress progress("images", imported.images.size());
     tbb::parallel_for(std::size_t{0}, imported.images.size(), [&](std::size_t i) {
         scene::DepthImage image = scene::readDepthTiff(imported.images[i].file);
@@ -143,7 +142,7 @@ void writeHeldOut(const std::filesystem::path& folder, const scene::Capture& cap
     if (heldOut.empty()) return;
     std::error_code error;
     std::filesystem::create_directories(folder, error);
-    if (error) throw scene::Failure("cannot be made (" + error.message() + ")", folder, kWriteRemedy);
+    if (error) throw scene::Failure("cannot be made (" + error.message() + ")", folder, scene::kWriteRemedy);
     tbb::parallel_for(std::size_t{0}, heldOut.size(), [&](std::size_t i) {
         const scene::DepthImage image = scene::readPhoto(capture.photos[heldOut[i]]);
         writeDepthTiff(image, folder / (image.name + ".tiff"));

@@ -1,6 +1,7 @@
 #include "app/stage_store.h"
 
 #include "scene/errors.h"
+#include "scene/unfinished_file.h"
 
 #include <cstdio>
 #include <fstream>
@@ -14,8 +15,6 @@ namespace app {
 
 namespace {
 
-constexpr const char* kWriteRemedy = "check that the disk has room and the folder may be written";
-
 std::filesystem::path withSuffix(std::filesystem::path path, const char* suffix) {
     path += suffix;
     return path;
@@ -24,13 +23,13 @@ std::filesystem::path withSuffix(std::filesystem::path path, const char* suffix)
 void makeFolder(const std::filesystem::path& folder) {
     std::error_code error;
     std::filesystem::create_directories(folder, error);
-    if (error) throw scene::Failure("cannot be made (" + error.message() + ")", folder, kWriteRemedy);
+    if (error) throw scene::Failure("cannot be made (" + error.message() + ")", folder, scene::kWriteRemedy);
 }
 
 void moveInto(const std::filesystem::path& from, const std::filesystem::path& to) {
     std::error_code error;
     std::filesystem::rename(from, to, error);
-    if (error) throw scene::Failure("cannot be renamed into place (" + error.message() + ")", to, kWriteRemedy);
+    if (error) throw scene::Failure("cannot be renamed into place (" + error.message() + ")", to, scene::kWriteRemedy);
 }
 
 } // namespace
@@ -56,7 +55,7 @@ StageStore::StageStore(std::filesystem::path folder) : folder_(std::move(folder)
     makeFolder(folder_);
     const std::filesystem::path lockFile = folder_ / "lock";
     lock_ = open(lockFile.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
-    if (lock_ < 0) throw scene::Failure("cannot be written", lockFile, kWriteRemedy);
+    if (lock_ < 0) throw scene::Failure("cannot be written", lockFile, scene::kWriteRemedy);
     if (flock(lock_, LOCK_EX | LOCK_NB) != 0) {
         close(lock_);
         throw scene::Failure("another build is writing this scene", folder_,
@@ -98,7 +97,7 @@ void writeWhole(const std::filesystem::path& path, std::span<const std::byte> by
     file.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
     file.close();
     try {
-        if (!file) throw scene::Failure("cannot be written", path, kWriteRemedy);
+        if (!file) throw scene::Failure("cannot be written", path, scene::kWriteRemedy);
         moveInto(part, path);
     } catch (...) {
         std::error_code ignored;

@@ -58,7 +58,8 @@ void locateFromLast(benchmark::State& state) {
 BENCHMARK(locateFromLast);
 
 void sharesFromLast(benchmark::State& state) {
-    const std::vector<glm::dvec3> few(positions().begin(), positions().begin() + static_cast<int>(state.range(0)));
+    std::vector<glm::dvec3> few = positions();
+    few.resize(static_cast<std::size_t>(state.range(0)));
     const scene::WalkCells cells(few);
     std::vector<scene::PositionShare> shares;
     std::uint32_t cell = 0;
