@@ -5,6 +5,7 @@
 
 #include "scene/errors.h"
 #include "scene/import/importer.h"
+#include "scene/import/scan_photos.h"
 
 #include <cstdio>
 
@@ -30,6 +31,7 @@ void checkWishes(const BuildOptions& options, const scene::Capture& capture) {
 void buildScene(const BuildOptions& options) {
     scene::Capture capture = scene::openCapture(options.inputs);
     checkWishes(options, capture);
+    if (!options.camera.empty()) useCameraFile(capture, options.camera);
     const std::vector<std::size_t> heldOut = scene::findHeldOut(capture, options.holdOut);
     if (capture.polygons.empty() && capture.scans.empty() && heldOut.size() == capture.photos.size())
         throw nothingToBuild(options);
@@ -44,8 +46,10 @@ void buildScene(const BuildOptions& options) {
     StageStore store(work);
 
     const nlohmann::json registration = registerCapture(capture, options, store);
-    const ImportedImages imported = capture.polygons.empty() ? importImages(capture, heldOut, options, store)
-                                                             : capturePolygons(capture, options, store);
+    const PhotographStage photographs = layPhotographs(capture, options, store);
+    const ImportedImages imported = capture.polygons.empty()
+                                        ? importImages(capture, heldOut, photographs, options, store)
+                                        : capturePolygons(capture, options, store);
     const Overlaps overlaps = findOverlaps(imported, options);
     const SkinStage skins = markSkins(imported, overlaps, options, store);
     const KeepStage kept = keepBest(imported, overlaps, skins, options, store);

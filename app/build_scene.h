@@ -26,6 +26,7 @@ struct BuildOptions {
     std::string holdOut;                  ///< every:N:FIRST, a file of names, or empty
     std::size_t memoryBytes = 8ull << 30; ///< pixels held at a time
     std::string registration = "given";   ///< where scans stand: given, auto, or a file of matches
+    std::filesystem::path camera;         ///< of the photographs in E57 files, with its lens; empty: as the file says
     bool cull = true;                     ///< false: every sample is kept
     bool fuse = true;                     ///< false: kept samples stay as they were captured
     PositionsWish positions;              ///< of polygon scenes

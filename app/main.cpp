@@ -139,6 +139,11 @@ void addBuild(CLI::App& program, app::BuildOptions& options, std::string& memory
                      "JSON file of places on planes that two scans share")
         ->type_name("given|auto|FILE")
         ->capture_default_str();
+    build
+        ->add_option("--camera", options.camera,
+                     "JSON file of the camera and lens (k1, k2, ...) of the photographs in E57 files, which cannot say "
+                     "how a lens distorts")
+        ->type_name("FILE");
     refuse(*build, "--colour-even", "colour evening");
     build->footer("Examples:\n"
                   "  revisit build living_room/ -o room.revisit\n"
