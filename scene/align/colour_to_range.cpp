@@ -12,10 +12,11 @@ namespace scene {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
-constexpr double kBroadestSigma = 0.5 * kDegree; ///< of the levels, in the middle of the picture
+constexpr double kBroadestSigma = 0.5 * kDegree;       ///< of the levels, in the middle of the picture
+constexpr double kMostDeviationFound = 0.25 * kDegree; ///< beyond, a top is no place but a ridge
 constexpr double kFinestSigmaPixels = 1.2;
 constexpr std::size_t kMostLevels = 5;
-constexpr int kMostRays = 4200;
+constexpr int kMostRays = 14400;
 
 PartRays raysOf(const EdgeImage& edges, const Camera& camera) {
     PartRays parts;
@@ -33,17 +34,20 @@ PartRays raysOf(const EdgeImage& edges, const Camera& camera) {
 
 void judge(ColourFit& fit, const ColourToRangeOptions& options) {
     fit.why.clear();
+    const double leastAgreeing =
+        fit.rivalShare <= options.mostRivalShareAlone ? options.leastAgreeingAlone : options.leastAgreeing;
     if (fit.parts < options.leastParts)
         fit.why = "too little of it has edges";
     else if (fit.rivalShare > options.mostRivalShare)
         fit.why = "other turns fit nearly as well";
     else if (fit.score < options.leastScore)
         fit.why = "its edges do not lie on those of the scan";
-    else if (fit.agreeing < options.leastAgreeing)
+    else if (fit.agreeing < leastAgreeing)
         fit.why = "most parts of it fit other turns better";
     else if (!(fit.turnedRadians <= options.reachRadians))
         fit.why = "the best turn is beyond what was looked through";
-    else if (!(fit.deviationRadians <= options.mostDeviationRadians))
+    fit.isFound = fit.why.empty() && fit.deviationRadians <= kMostDeviationFound;
+    if (fit.why.empty() && !(fit.deviationRadians <= options.mostDeviationRadians))
         fit.why = "its edges do not say exactly enough how it is turned";
     fit.isSure = fit.why.empty();
 }

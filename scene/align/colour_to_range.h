@@ -22,10 +22,12 @@
 namespace scene {
 
 struct ColourToRangeOptions {
-    double reachRadians = 0.0628;        ///< turns up to this are tried: 3 degrees and a fifth more
-    double mostRivalShare = 0.8;         ///< of the best's score, that the best other turn may have
-    double leastScore = 1.5;             ///< of the best, see TurnFound
-    double leastAgreeing = 0.6;          ///< share of the picture's parts that must like the turn
+    double reachRadians = 0.0628;    ///< turns up to this are tried: 3 degrees and a fifth more
+    double mostRivalShare = 0.8;     ///< of the best's score, that the best other turn may have
+    double leastScore = 1.5;         ///< of the best, see TurnFound
+    double leastAgreeing = 0.6;      ///< share of the picture's parts that must like the turn;
+    double leastAgreeingAlone = 0.3; ///< the same where no other turn scores more than mostRivalShareAlone
+    double mostRivalShareAlone = 0.55;
     int leastParts = 5;                  ///< so many parts must have edges to say something
     double mostDeviationRadians = 0.001; ///< an edge of a scan lies anywhere between two samples: half of their spacing
 };
@@ -41,8 +43,9 @@ struct ColourFit {
     double agreeing = 0;            ///< share of the picture's parts that like the turn better than others about it
     int parts = 0;                  ///< of the picture that have edges
     int neighbours = 0;             ///< photographs of the same scan that it was laid on, too (align/joint_turns.h)
-    bool isSure = false;
-    std::string why; ///< of a fit that is not: half a sentence
+    bool isFound = false;           ///< no chance: it is this turn and no other, exactly known or not
+    bool isSure = false;            ///< found, and known as exactly as asked
+    std::string why;                ///< of a fit that is not: half a sentence
 };
 
 /// scan: what the scan sees from the camera's place with the camera turned as given, grey for reflectance, wider than
@@ -51,7 +54,7 @@ struct ColourFit {
 ColourFit findTurn(const DepthImage& scan, const Image<Rgb8>& photograph, const Camera& camera,
                    const ColourToRangeOptions& options = {});
 
-/// Whether what was found is believed.
+/// Whether what was found is believed: isFound, isSure and why.
 void judge(ColourFit& fit, const ColourToRangeOptions& options);
 
 /// A camera whose picture holds what the other one sees if it is turned by up to the reach in any direction, with

@@ -16,9 +16,9 @@ constexpr double kPhotographSigma = 0.8, kRangeSigma = 1.0, kReflectanceSigma = 
                  kTextureSigma = 1.5; ///< pixels
 constexpr int kSurface = 9,
               kAbout = 13; ///< pixels across: of what is no edge but a surface; of the disparity to compare with
-constexpr int kRim = 9; ///< pixels across: of what is left out where range ends in nothing
-constexpr float kTimesUsual = 3.0f;      ///< so many times the usual slope an edge counts half
-constexpr float kLeastColourStep = 3;    ///< a pixel, of 255
+constexpr int kRim = 9;    ///< pixels across: of what is left out where range ends in nothing
+constexpr float kTimesUsual = 2.2f;   ///< so many times the usual slope an edge counts half
+constexpr float kLeastColourStep = 3; ///< a pixel, of 255
 constexpr float kLeastTextureStep = 0.3f;
 constexpr float kLeastGreyStep = 3;      ///< the same of evened reflectance
 constexpr float kLeastRangeStep = 8e-3f; ///< of disparity, relative, a pixel

@@ -24,7 +24,7 @@ constexpr int kLeastRays = 150;            ///< that two photographs must share
 constexpr double kLeastOwn = 0.004 * kDegree, kLeastPair = 0.004 * kDegree;
 constexpr double kMostRivalShare = 0.7; ///< a strip that two share is less than a picture
 constexpr int kLeastNeighbours = 2;     ///< that must agree on where one stands that its scan could not place
-constexpr double kContradicts = 25; ///< squared deviations, of three axes together
+constexpr double kContradicts = 25;     ///< squared deviations, of three axes together
 constexpr int kMostRays = 3000;
 
 /// The edges of a photograph.
@@ -108,7 +108,7 @@ std::optional<Pair> compare(std::size_t a, std::size_t b, std::span<const Photog
         count += part.size();
     if (count == 0) return std::nullopt;
     const TurnSearch search(edges[b].levels, photographs[b].camera, rays);
-    const bool areBothKnown = fits[a].isSure && fits[b].isSure;
+    const bool areBothKnown = fits[a].isFound && fits[b].isFound;
     const TurnFound found = areBothKnown ? search.climbFrom(Turn::Zero()) : search.find(options.reachRadians);
     if (!found.covariance || found.parts < options.leastParts - 1 || found.agreeing < options.leastAgreeing ||
         found.score < options.leastScore)
@@ -166,8 +166,8 @@ class Network {
     /// Of two that contradict each other nobody knows which is wrong.
     bool isDisputed(std::size_t photograph) const {
         const auto isJoined = [&](std::size_t other) { return group_[other] == group_[photograph]; };
-        const auto anchors = std::count_if(own_.begin(), own_.end(),
-                                           [&](const Own& own) { return isJoined(own.photograph); });
+        const auto anchors =
+            std::count_if(own_.begin(), own_.end(), [&](const Own& own) { return isJoined(own.photograph); });
         return anchors < 2 && std::any_of(contradicted.begin(), contradicted.end(), isJoined);
     }
 
@@ -177,9 +177,7 @@ class Network {
     std::vector<std::size_t> contradicted;
 
   private:
-    Turn residualOf(const Pair& pair) const {
-        return pair.turn - (pair.bFromA * turns[pair.a] - turns[pair.b]);
-    }
+    Turn residualOf(const Pair& pair) const { return pair.turn - (pair.bFromA * turns[pair.a] - turns[pair.b]); }
 
     void findAnchored() {
         group_.resize(count_);
@@ -240,8 +238,8 @@ void settle(ColourFit& fit, const Network& network, std::size_t i, const ColourT
     const bool isContradicted =
         std::find(network.contradicted.begin(), network.contradicted.end(), i) != network.contradicted.end();
     if (!network.isAnchored[i] || (network.neighboursOf(i) == 0 && !isContradicted)) return;
-    const bool wasSure = fit.isSure && !isContradicted;
-    if (!wasSure && network.neighboursOf(i) < kLeastNeighbours) {
+    const bool isItsOwn = fit.isFound && !isContradicted;
+    if (!isItsOwn && network.neighboursOf(i) < kLeastNeighbours) {
         if (isContradicted) fit.isSure = false, fit.why = "it contradicts its neighbours";
         return;
     }
@@ -258,11 +256,10 @@ void settle(ColourFit& fit, const Network& network, std::size_t i, const ColourT
         fit.covariance[k / 3][k % 3] = network.covariances[i](k % 3, k / 3);
     fit.deviationRadians = std::sqrt(network.covariances[i].trace());
     fit.neighbours = network.neighboursOf(i);
-    if (!wasSure) {
-        // What the scan itself said of it is no longer believed; its neighbours are.
-        fit.isSure = fit.turnedRadians <= options.reachRadians && fit.deviationRadians <= options.mostDeviationRadians;
-        if (fit.isSure) fit.why.clear();
-    }
+    if (isItsOwn) return judge(fit, options);
+    // What the scan itself said of it is not believed; its neighbours are.
+    fit.isSure = fit.turnedRadians <= options.reachRadians && fit.deviationRadians <= options.mostDeviationRadians;
+    if (fit.isSure) fit.why.clear();
 }
 
 } // namespace
@@ -276,23 +273,23 @@ void joinTurns(std::span<const PhotographOnScan> photographs, std::vector<Colour
     std::vector<Own> own;
     for (std::size_t i = 0; i < photographs.size(); ++i) {
         // Where a fit is not believed the pose as given is the better guess.
-        if (!fits[i].isSure) fits[i].givenFromFound = glm::dmat3(1.0);
+        if (!fits[i].isFound) fits[i].givenFromFound = glm::dmat3(1.0);
         scannerFromCamera.push_back(photographs[i].scannerFromGiven.rotation * fits[i].givenFromFound);
         const Eigen::Matrix3d covariance =
             eigenOf(fits[i].covariance) + kLeastOwn * kLeastOwn * Eigen::Matrix3d::Identity();
-        if (fits[i].isSure) own.push_back({i, covariance.inverse()});
+        if (fits[i].isFound) own.push_back({i, covariance.inverse()});
     }
     std::vector<std::pair<std::size_t, std::size_t>> candidates;
     for (std::size_t a = 0; a < photographs.size(); ++a)
         for (std::size_t b = a + 1; b < photographs.size(); ++b)
-            if (glm::distance(photographs[a].scannerFromGiven.translation, photographs[b].scannerFromGiven.translation) <=
-                    kSamePlaceMetres &&
-                (fits[a].isSure || fits[b].isSure))
+            if (glm::distance(photographs[a].scannerFromGiven.translation,
+                              photographs[b].scannerFromGiven.translation) <= kSamePlaceMetres &&
+                (fits[a].isFound || fits[b].isFound))
                 candidates.emplace_back(a, b);
     std::vector<std::optional<Pair>> compared(candidates.size());
     tbb::parallel_for(std::size_t{0}, candidates.size(), [&](std::size_t i) {
-        compared[i] = compare(candidates[i].first, candidates[i].second, photographs, edges, scannerFromCamera, fits,
-                              options);
+        compared[i] =
+            compare(candidates[i].first, candidates[i].second, photographs, edges, scannerFromCamera, fits, options);
     });
     std::vector<Pair> pairs;
     for (const auto& pair : compared)

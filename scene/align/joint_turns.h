@@ -1,8 +1,8 @@
 #pragma once
 // The photographs of one scan together: taken from one place, two that overlap differ by a rotation alone, and their
-// edges are the same ones, which says far more exactly how they stand to each other than a scan says how either stands to
-// it. So the turns of all are found at once, by least squares: each as far as its scan knows it, neighbours as they know
-// each other. One that the scan could not place is placed by its neighbours; one that contradicts them is told.
+// edges are the same ones, which says far more exactly how they stand to each other than a scan says how either stands
+// to it. So the turns of all are found at once, by least squares: each as far as its scan knows it, neighbours as they
+// know each other. One that the scan could not place is placed by its neighbours; one that contradicts them is told.
 
 #include "scene/align/colour_to_range.h"
 

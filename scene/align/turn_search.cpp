@@ -158,8 +158,7 @@ void TurnSearch::sharpen(TurnFound& found) const {
     const Score finest = [&](const Turn& turn) {
         return edgeScore_.at(matrixOf(turn), rays_, firstFine(), levels_.size());
     };
-    found.turn =
-        climb(finest, {found.turn, finest(found.turn)}, sigmaOf(levels_.size() - 1), kLeastStep).turn;
+    found.turn = climb(finest, {found.turn, finest(found.turn)}, sigmaOf(levels_.size() - 1), kLeastStep).turn;
     found.covariance = covarianceAt(found.turn);
     askParts(found);
 }
@@ -177,14 +176,13 @@ std::vector<TurnSearch::Candidate> TurnSearch::grid(double reachRadians) const {
                 const Turn turn = kGridStep * Turn(x, y, z);
                 if (turn.norm() <= reachRadians + 0.5 * kGridStep) turns.push_back({turn, 0});
             }
-    tbb::parallel_for(std::size_t{0}, turns.size(), [&](std::size_t i) {
-        turns[i].score = edgeScore_.at(matrixOf(turns[i].turn), fewRays_, 0, 1);
-    });
+    tbb::parallel_for(std::size_t{0}, turns.size(),
+                      [&](std::size_t i) { turns[i].score = edgeScore_.at(matrixOf(turns[i].turn), fewRays_, 0, 1); });
     return turns;
 }
 
 void TurnSearch::climbAll(std::vector<Candidate>& climbers, std::size_t end, const std::vector<EdgeRay>& rays,
-              double step) const {
+                          double step) const {
     tbb::parallel_for(std::size_t{0}, climbers.size(), [&](std::size_t i) {
         const Score score = [&](const Turn& turn) { return edgeScore_.at(matrixOf(turn), rays, 0, end); };
         climbers[i] = climb(score, {climbers[i].turn, score(climbers[i].turn)}, step, step / 20);

@@ -1,6 +1,6 @@
 #pragma once
-// The turn of a camera at which its edges lie best on those of a picture: all turns within reach, the best of them climbing
-// from broad edges to sharp ones; how much better the best is than the others; and how exactly it is known.
+// The turn of a camera at which its edges lie best on those of a picture: all turns within reach, the best of them
+// climbing from broad edges to sharp ones; how much better the best is than the others; and how exactly it is known.
 
 #include "scene/align/edge_score.h"
 

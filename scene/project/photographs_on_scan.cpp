@@ -14,7 +14,7 @@ constexpr double kLeastPixelSpacings = 0.5;
 constexpr int kMostPixelsAcross = 4096;
 /// Edges of a scan lie anywhere between two samples; one that is known to this share of their spacing is known as well
 /// as the scan can tell.
-constexpr double kMostDeviationSpacings = 0.5;
+constexpr double kMostDeviationSpacings = 0.4;
 constexpr double kLeastDeviationRadians = 7e-4; ///< 0.04 degrees: what is asked of the densest scans
 
 } // namespace

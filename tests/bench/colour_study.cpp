@@ -31,7 +31,7 @@ using nlohmann::json;
 constexpr double kPi = std::numbers::pi, kDegrees = 180 / kPi;
 constexpr double kWrongDegrees = 0.2; ///< another place of the picture, and not this one less exactly
 constexpr double kWantedDegrees = 0.05;
-constexpr int kWidth = 640, kHeight = 480;
+constexpr int kWidth = 960, kHeight = 720;
 constexpr double kAcross = 65;
 
 double degreesBetween(const glm::dmat3& a, const glm::dmat3& b) {
@@ -76,10 +76,9 @@ void writePictures(const scene::ScanForPhotographs& scan, const scene::Photograp
     };
     scene::Scan grey = scan.scan;
     grey.colours = scan.reflectance;
-    scene::DepthImage seen =
-        projectToCamera(grey, scan.steps, inverse(photo.scannerFromGiven),
-                        scene::widened(photo.camera, scene::ColourToRangeOptions{}.reachRadians, 1 / photo.camera.fx),
-                        scan.planar);
+    scene::DepthImage seen = projectToCamera(
+        grey, scan.steps, inverse(photo.scannerFromGiven),
+        scene::widened(photo.camera, scene::ColourToRangeOptions{}.reachRadians, 1 / photo.camera.fx), scan.planar);
     fillDropouts(seen);
     const scene::EdgeImage mine = scene::photographEdges(photo.straight.colour), theirs = scene::scanEdges(seen);
     write("-photograph", photo.straight.colour);
@@ -112,7 +111,8 @@ json describe(const scene::ColourFit& fit) {
             {"why", fit.why},
             {"score", fit.score},
             {"rival_share", fit.rivalShare},
-            {"neighbours", fit.neighbours}, {"agreeing", fit.agreeing},
+            {"neighbours", fit.neighbours},
+            {"agreeing", fit.agreeing},
             {"parts", fit.parts},
             {"turned_deg", fit.turnedRadians * kDegrees},
             {"deviation_deg", fit.deviationRadians * kDegrees}};
@@ -139,15 +139,38 @@ int main(int argc, char** argv) {
     const scene::ScannedWorld world = worldOf(*synthetic, false), coloured = worldOf(*synthetic, true);
     const scene::CameraFile lens = scene::usualCamera(kWidth, kHeight, kAcross);
 
+    std::vector<scene::Pose> tripods = scanPositions(*synthetic);
+    tripods.resize(std::min<std::size_t>(tripods.size(), argv[2] == std::string("corner") ? 3 : 4));
+
     Tally tally;
     json runs = json::array();
+    const auto share = [](int part, std::size_t whole) {
+        return whole ? 100.0 * part / static_cast<double>(whole) : 0;
+    };
+    const auto write = [&] {
+        std::ofstream(argv[1]) << json{{"scene", argv[2]},
+                                       {"samples_per_degree", density},
+                                       {"most_turn_deg", mostTurn},
+                                       {"photographs", tally.sure + tally.refused},
+                                       {"sure", tally.sure},
+                                       {"within_wanted", tally.wanted},
+                                       {"refused", tally.refused},
+                                       {"wrong", tally.wrong},
+                                       {"strangers", tally.strangers},
+                                       {"strangers_taken", tally.strangersTaken},
+                                       {"beyond", tally.beyond},
+                                       {"beyond_taken", tally.beyondTaken},
+                                       {"runs", runs}}
+                                      .dump(1)
+                               << '\n';
+    };
     for (int seed = 1; seed <= seeds; ++seed) {
         scene::SeededSequence chance(static_cast<std::uint64_t>(seed));
         // From 1 mm to 2 cm over the seeds.
         const double noise = 0.001 * std::pow(20.0, seeds > 1 ? (seed - 1.0) / (seeds - 1.0) : 0.5);
         scene::ScanForPhotographs before;
         std::size_t number = 0;
-        for (const scene::Pose& tripod : scanPositions(*synthetic)) {
+        for (const scene::Pose& tripod : tripods) {
             const scene::Pose worldFromScanner = setUp(tripod, chance);
             scene::ScannerOptions scanner;
             scanner.farthestMetres = 40;
@@ -225,10 +248,8 @@ int main(int argc, char** argv) {
             }
             before = std::move(scan);
         }
+        write(); // what there is if it is stopped
     }
-    const auto share = [](int part, std::size_t whole) {
-        return whole ? 100.0 * part / static_cast<double>(whole) : 0;
-    };
     const std::size_t all = static_cast<std::size_t>(tally.sure + tally.refused);
     std::printf(
         "%zu photographs: %d sure (%.1f %% within %.2f degrees of all), %d refused, %d wrong; errors median %.4f, "
@@ -237,19 +258,5 @@ int main(int argc, char** argv) {
         all, tally.sure, share(tally.wanted, all), kWantedDegrees, tally.refused, tally.wrong,
         quantileOf(tally.errors, 0.5), quantileOf(tally.errors, 0.95), quantileOf(tally.errors, 1), tally.strangers,
         tally.strangersTaken, tally.beyond, tally.beyondTaken, quantileOf(tally.seconds, 0.5));
-    std::ofstream(argv[1]) << json{{"scene", argv[2]},
-                                   {"samples_per_degree", density},
-                                   {"most_turn_deg", mostTurn},
-                                   {"photographs", all},
-                                   {"sure", tally.sure},
-                                   {"within_wanted", tally.wanted},
-                                   {"refused", tally.refused},
-                                   {"wrong", tally.wrong},
-                                   {"strangers", tally.strangers},
-                                   {"strangers_taken", tally.strangersTaken},
-                                   {"beyond", tally.beyond},
-                                   {"beyond_taken", tally.beyondTaken},
-                                   {"runs", runs}}
-                                  .dump(1)
-                           << '\n';
+    write();
 }
