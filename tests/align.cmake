@@ -2,6 +2,10 @@
 revisit_test(revisit_align_tests LABELS scenes TIMEOUT 300 LINKS scene_align scene_capture TBB::tbb
     SOURCES scene/align/registration_test.cpp scene/align/scan_planes_test.cpp)
 
+# Photographs laid on scans, and what scattered samples become in a camera.
+revisit_test(revisit_photographs_tests LABELS scenes TIMEOUT 300 WHOLE LINKS scene_capture scene_project TBB::tbb
+    SOURCES scene/align/colour_to_range_test.cpp scene/project/planar_projection_test.cpp)
+
 # How exact and how sure registration is, over many seeds (docs/performance.md); run by hand, for minutes.
 add_executable(revisit_registration_study bench/registration_study.cpp)
 target_include_directories(revisit_registration_study PRIVATE ${CMAKE_SOURCE_DIR})

@@ -16,7 +16,38 @@ namespace scene {
 namespace {
 
 constexpr double kNoiseWidths = 6; ///< of noise, that two samples of one surface may differ by
+constexpr double kGridSameSurface = 0.02; ///< see gridOf
 constexpr int kMostSupport = 64;   ///< pixels; a camera far finer than the scan is left with holes
+
+/// Samples that belong to neither of two opposite neighbours and lie between them in range.
+std::vector<std::uint8_t> findAveraged(const Scan& scan, const ScanGrid& grid) {
+    std::vector<std::uint8_t> isAveraged(scan.pointsInScanner.size(), 0);
+    const int width = grid.pointOfCell.width(), height = grid.pointOfCell.height();
+    const auto rangeOf = [&](std::int32_t point) {
+        return glm::length(scan.pointsInScanner[static_cast<std::size_t>(point)]);
+    };
+    const auto isBetween = [&](std::int32_t before, std::int32_t point, std::int32_t after) {
+        if (before < 0 || after < 0) return false;
+        const float here = rangeOf(point);
+        return (rangeOf(before) - here) * (here - rangeOf(after)) > 0;
+    };
+    tbb::parallel_for(0, height, [&](int y) {
+        for (int x = 0; x < width; ++x) {
+            const std::int32_t point = grid.pointOfCell(x, y);
+            if (point < 0) continue;
+            const std::uint8_t links = grid.links(x, y);
+            const int left = x > 0 ? x - 1 : grid.closes ? width - 1 : -1;
+            const int right = x + 1 < width ? x + 1 : grid.closes ? 0 : -1;
+            const bool isAlone = left >= 0 && right >= 0 && !(links & kLinkRight) && !(grid.links(left, y) & kLinkRight);
+            const bool isAloneUpright =
+                y > 0 && y + 1 < height && !(links & kLinkBelow) && !(grid.links(x, y - 1) & kLinkBelow);
+            if ((isAlone && isBetween(grid.pointOfCell(left, y), point, grid.pointOfCell(right, y))) ||
+                (isAloneUpright && isBetween(grid.pointOfCell(x, y - 1), point, grid.pointOfCell(x, y + 1))))
+                isAveraged[static_cast<std::size_t>(point)] = 1;
+        }
+    });
+    return isAveraged;
+}
 
 /// A sample as the camera sees it.
 struct Seen {
@@ -41,13 +72,15 @@ struct Buckets {
     std::vector<std::uint32_t> first;
 };
 
-Buckets sortIntoPixels(const Scan& scan, const Pose& cameraFromScanner, const Camera& camera) {
+Buckets sortIntoPixels(const Scan& scan, const ScanTraits& traits, const Pose& cameraFromScanner,
+                       const Camera& camera) {
     const auto pixels = static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height);
     std::vector<Seen> seen(scan.pointsInScanner.size());
     std::vector<std::int64_t> pixelOf(seen.size());
     tbb::parallel_for(std::size_t{0}, seen.size(), [&](std::size_t i) {
         const glm::dvec3 p = cameraFromScanner * glm::dvec3(scan.pointsInScanner[i]);
         pixelOf[i] = -1;
+        if (!traits.isAveraged.empty() && traits.isAveraged[i]) return;
         if (!(p.z > kNearestMetres)) return;
         const glm::dvec2 place = project(camera, p);
         if (!(place.x >= 0 && place.y >= 0 && place.x < camera.width && place.y < camera.height)) return;
@@ -92,10 +125,10 @@ float planeAtCentre(std::span<const Member> members) {
 
 class Projection {
   public:
-    Projection(const Scan& scan, const AngularSteps& steps, const Camera& camera, const Buckets& buckets,
+    Projection(const Scan& scan, const ScanTraits& traits, const Camera& camera, const Buckets& buckets,
                const PlanarOptions& options)
         : scan_(scan), camera_(camera), buckets_(buckets), options_(options),
-          step_(std::max(steps.horizontal, steps.vertical)) {}
+          step_(traits.spacingRadians()) {}
 
     void row(int y, DepthImage& image) const {
         std::vector<Member> members;
@@ -180,20 +213,21 @@ class Projection {
 
 } // namespace
 
-AngularSteps stepsOf(const Scan& scan, const glm::dvec3& copInScanner) {
-    const std::optional<ScanGrid> grid = gridOf(scan, 0.02);
-    return grid ? grid->steps : looseSteps(scan, copInScanner);
+ScanTraits traitsOf(const Scan& scan) {
+    const std::optional<ScanGrid> grid = gridOf(scan, kGridSameSurface);
+    if (!grid) return {looseSteps(scan, glm::dvec3(0)), {}};
+    return {grid->steps, findAveraged(scan, *grid)};
 }
 
-DepthImage projectToCamera(const Scan& scan, const AngularSteps& steps, const Pose& cameraFromScanner,
+DepthImage projectToCamera(const Scan& scan, const ScanTraits& traits, const Pose& cameraFromScanner,
                            const Camera& camera, const PlanarOptions& options) {
     DepthImage image;
     image.camera = camera;
     image.colour = Image<Rgb8>(camera.width, camera.height);
     image.disparity = Image<float>(camera.width, camera.height, 0.0f);
     image.flags = Image<std::uint8_t>(camera.width, camera.height, kNoSurface);
-    const Buckets buckets = sortIntoPixels(scan, cameraFromScanner, camera);
-    const Projection projection(scan, steps, camera, buckets, options);
+    const Buckets buckets = sortIntoPixels(scan, traits, cameraFromScanner, camera);
+    const Projection projection(scan, traits, camera, buckets, options);
     tbb::parallel_for(0, camera.height, [&](int y) { projection.row(y, image); });
     return image;
 }

@@ -77,7 +77,7 @@ void writePictures(const scene::ScanForPhotographs& scan, const scene::Photograp
     scene::Scan grey = scan.scan;
     grey.colours = scan.reflectance;
     scene::DepthImage seen = projectToCamera(
-        grey, scan.steps, inverse(photo.scannerFromGiven),
+        grey, scan.traits, inverse(photo.scannerFromGiven),
         scene::widened(photo.camera, scene::ColourToRangeOptions{}.reachRadians, 1 / photo.camera.fx), scan.planar);
     fillDropouts(seen);
     const scene::EdgeImage mine = scene::photographEdges(photo.straight.colour), theirs = scene::scanEdges(seen);
