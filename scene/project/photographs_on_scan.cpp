@@ -43,7 +43,8 @@ PhotographForScan forScan(const Image<Rgb8>& picture, const CameraFile& lens, co
 std::vector<ColourFit> layOnScan(ScanForPhotographs& scan, std::span<const PhotographForScan> photographs,
                                  const std::function<void()>& progress) {
     ColourToRangeOptions options;
-    options.mostDeviationRadians = std::max(kLeastDeviationRadians, kMostDeviationSpacings * scan.traits.spacingRadians());
+    options.mostDeviationRadians =
+        std::max(kLeastDeviationRadians, kMostDeviationSpacings * scan.traits.spacingRadians());
     std::vector<ColourFit> fits;
     std::vector<PhotographOnScan> all;
     std::swap(scan.scan.colours, scan.reflectance);

@@ -9,11 +9,12 @@
 //             x
 //              x o o o o o
 //
-// What we changed. The pixel takes the plane through its cluster's samples (in disparity, where planes are affine) instead
-// of their weighted mean, which would be drawn to the side where more of them stand. A pixel without a sample near by
-// takes no range, so that silhouettes before the sky do not grow by the width of the support. And where a silhouette
-// runs along the scan's rows or columns, a whole line of samples is averaged alike and would be the heaviest cluster of
-// the pixels along it: the scan's grid says which samples belong to neither of their neighbours and lie between them.
+// What we changed. The pixel takes the plane through its cluster's samples (in disparity, where planes are affine)
+// instead of their weighted mean, which would be drawn to the side where more of them stand. A pixel without a sample
+// near by takes no range, so that silhouettes before the sky do not grow by the width of the support. And where a
+// silhouette runs along the scan's rows or columns, a whole line of samples is averaged alike and would be the heaviest
+// cluster of the pixels along it: the scan's grid says which samples belong to neither of their neighbours and lie
+// between them.
 
 #include "scene/depth_image.h"
 #include "scene/project/cube_layout.h"
@@ -34,7 +35,7 @@ struct PlanarOptions {
 
 /// What must be known of a scan before it is projected.
 struct ScanTraits {
-    AngularSteps steps;                    ///< the scan's angular density, radians
+    AngularSteps steps;                   ///< the scan's angular density, radians
     std::vector<std::uint8_t> isAveraged; ///< one for each point; empty where the scan has no grid to tell by
 
     double spacingRadians() const { return std::max(steps.horizontal, steps.vertical); }

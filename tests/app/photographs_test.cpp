@@ -1,5 +1,5 @@
-// Photographs beside scans as a user has them: written by the simulated camera, laid on their scans by the build, told of
-// by info.
+// Photographs beside scans as a user has them: written by the simulated camera, laid on their scans by the build, told
+// of by info.
 
 #include "scene/pose.h"
 
@@ -103,9 +103,9 @@ TEST_F(Photographs, OfAnotherSizeOrNoneAtAllRefuseACameraFile) {
     EXPECT_THAT(other.output, HasSubstr("is of pictures of 100x75, but photograph 'scan1-photo1' is 320x240"));
     const Outcome made = run({kMakeSample, path("bare"), "--scanner", "--scans", "1", "--density", "1"}, folder());
     ASSERT_EQ(made.status, 0) << made.output;
-    const Outcome none = run({kRevisit, "build", path("bare/scans.e57"), "-o", path("no.revisit"), "--camera",
-                              path("capture/camera.json")},
-                             folder());
+    const Outcome none = run(
+        {kRevisit, "build", path("bare/scans.e57"), "-o", path("no.revisit"), "--camera", path("capture/camera.json")},
+        folder());
     EXPECT_EQ(none.status, 1);
     EXPECT_THAT(none.output, HasSubstr("there are none that can be used"));
     EXPECT_FALSE(std::filesystem::exists(path("no.revisit")));

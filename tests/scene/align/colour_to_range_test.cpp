@@ -89,7 +89,8 @@ TEST(ColourToRange, FindsHowPhotographsAreTurnedAndSaysHowExactly) {
     for (std::size_t i = 0; i < fits.size(); ++i) {
         EXPECT_TRUE(fits[i].isSure) << i << ": " << fits[i].why;
         EXPECT_NEAR(fits[i].turnedRadians * kDegrees, 2.9, 0.12) << i;
-        const double error = degreesBetween(shots.truth[i].rotation, turned[i].scannerFromGiven.rotation * fits[i].givenFromFound);
+        const double error =
+            degreesBetween(shots.truth[i].rotation, turned[i].scannerFromGiven.rotation * fits[i].givenFromFound);
         EXPECT_LT(error, 0.1) << i << ": spacing is 0.25 degrees";
         EXPECT_LT(error, 4 * fits[i].deviationRadians * kDegrees) << i;
         EXPECT_LT(fits[i].deviationRadians * kDegrees, 0.1) << i;

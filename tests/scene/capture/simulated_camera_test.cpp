@@ -99,18 +99,17 @@ std::vector<std::uint8_t> jpegOf(int width, int height) {
 /// Two scans, and a photograph of the second.
 std::filesystem::path writeTwo(const ScratchFolder& folder, const WrittenPhotograph& photograph) {
     const std::filesystem::path path = folder / "two.e57";
-    writeE57(
-        path, 2,
-        [](std::size_t i) {
-            ScanWithIntensity read;
-            read.scan.name = "scan" + std::to_string(i + 1);
-            read.scan.worldFromScanner.translation = {10.0 * static_cast<double>(i), 0, 0};
-            read.scan.pointsInScanner = {glm::vec3(1, 0, 0), glm::vec3(0, 2 + static_cast<float>(i), 0)};
-            read.scan.colours.assign(2, Rgb8{});
-            read.intensities = {0.25f, 0.75f};
-            return read;
-        },
-        {1, [&](std::size_t) { return photograph; }});
+    writeE57(path, 2,
+             [](std::size_t i) {
+                 ScanWithIntensity read;
+                 read.scan.name = "scan" + std::to_string(i + 1);
+                 read.scan.worldFromScanner.translation = {10.0 * static_cast<double>(i), 0, 0};
+                 read.scan.pointsInScanner = {glm::vec3(1, 0, 0), glm::vec3(0, 2 + static_cast<float>(i), 0)};
+                 read.scan.colours.assign(2, Rgb8{});
+                 read.intensities = {0.25f, 0.75f};
+                 return read;
+             },
+             {1, [&](std::size_t) { return photograph; }});
     return path;
 }
 

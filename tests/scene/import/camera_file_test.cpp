@@ -1,4 +1,5 @@
-// Camera files and lenses: read as written, refused in one sentence, and taken out of pictures to a fraction of a pixel.
+// Camera files and lenses: read as written, refused in one sentence, and taken out of pictures to a fraction of a
+// pixel.
 
 #include "scene/import/camera_file.h"
 #include "scene/import/straighten.h"
@@ -67,7 +68,8 @@ TEST(CameraFileTest, TheLensIsUndoneExactly) {
 
 /// Smooth in the plane at depth 1: what the world looks like there.
 glm::dvec3 shadeAt(const glm::dvec2& place) {
-    return {128 + 100 * std::sin(9 * place.x), 128 + 100 * std::cos(7 * place.y), 128 + 60 * std::sin(5 * place.x + 4 * place.y)};
+    return {128 + 100 * std::sin(9 * place.x), 128 + 100 * std::cos(7 * place.y),
+            128 + 60 * std::sin(5 * place.x + 4 * place.y)};
 }
 
 Image<Rgb8> pictureThrough(const CameraFile& file) {

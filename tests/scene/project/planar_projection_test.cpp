@@ -18,7 +18,9 @@
 namespace scene {
 namespace {
 
-constexpr double kDensity = 3; ///< samples a degree
+constexpr double kDensity = 3;         ///< samples a degree
+constexpr double kSameSurface = 0.02;  ///< relative: what the build takes for one surface
+constexpr int kPixelsOfSample = 2 * 2; ///< of kCamera
 
 /// A scan of the room by the simulated scanner, its beam as wide as it is and swept as it is.
 struct RoomScan {
@@ -57,13 +59,13 @@ bool isTrue(const RoomScan& at, const Pose& scannerFromCamera, int x, int y, dou
         for (int i = -4; i <= 4; ++i) {
             const glm::dvec3 ray = rayThrough(kCamera, x + 0.5 + 0.75 * i, y + 0.5 + 0.75 * j);
             const auto hit = at.room.tracer().cast(worldFromCamera.translation, worldFromCamera.rotation * ray);
-            if (hit && std::abs(hit->t * disparity - 1) < 0.015) return true;
+            if (hit && std::abs(hit->t * disparity - 1) < kSameSurface) return true;
         }
     return false;
 }
 
-/// The largest piece of neighbouring samples that no surface is near to, over the whole horizon.
-int largestFloating(const PlanarOptions& options) {
+/// The largest piece of neighbouring pixels that no surface is near to, in samples of the scan, over the whole horizon.
+double largestFloating(const PlanarOptions& options) {
     const RoomScan& at = RoomScan::it();
     int largest = 0;
     for (const double azimuth : {0.0, 2.1, 4.2}) {
@@ -73,7 +75,8 @@ int largestFloating(const PlanarOptions& options) {
         Image<std::uint8_t> floats(kCamera.width, kCamera.height, std::uint8_t{0});
         for (int y = 0; y < kCamera.height; ++y)
             for (int x = 0; x < kCamera.width; ++x)
-                floats(x, y) = isSurface(image.flags(x, y)) && !isTrue(at, scannerFromCamera, x, y, image.disparity(x, y));
+                floats(x, y) =
+                    isSurface(image.flags(x, y)) && !isTrue(at, scannerFromCamera, x, y, image.disparity(x, y));
         for (int y = 0; y < kCamera.height; ++y)
             for (int x = 0; x < kCamera.width; ++x) {
                 if (!floats(x, y)) continue;
@@ -91,7 +94,7 @@ int largestFloating(const PlanarOptions& options) {
                 largest = std::max(largest, size);
             }
     }
-    return largest;
+    return static_cast<double>(largest) / kPixelsOfSample;
 }
 
 TEST(PlanarProjection, NoFalseSurfaceOfMoreThanThreeSamplesFloatsAtSilhouettes) {
