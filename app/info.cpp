@@ -29,6 +29,23 @@ std::string shareText(double part, double whole) {
     return text;
 }
 
+/// What was done to colours.
+void printEvening(const json& evening) {
+    if (evening.is_null()) return;
+    const double before = evening.at("seam_before"), after = evening.at("seam_after");
+    if (evening.at("changed") == 0) {
+        std::printf("  colours    even as captured: they differ by %s across %lld overlaps\n",
+                    shareText(before, 1).c_str(), evening.at("pairs").get<long long>());
+        return;
+    }
+    std::printf("  colours    made even: across %lld overlaps they differ by %s instead of %s; images changed by up to "
+                "%.2f stops\n",
+                evening.at("pairs").get<long long>(), shareText(after, 1).c_str(), shareText(before, 1).c_str(),
+                evening.at("most_stops").get<double>());
+    if (const auto limited = evening.at("limited").get<long long>(); limited > 0)
+        std::printf("             %lld images are too dark to be brightened enough without noise\n", limited);
+}
+
 /// Where scans stand, and how well that is known.
 void printRegistration(const json& registration) {
     if (registration.is_null()) return;
@@ -96,6 +113,7 @@ void printInfo(const std::filesystem::path& folder, bool asJson) {
         std::printf("  scans      %.0f points, %.0f held, %.0f dropped\n", number("scan_points"),
                     number("scan_points_held"), number("scan_points_dropped"));
     printRegistration(info.value("registration", json()));
+    printEvening(info.value("colour_evening", json()));
     std::printf("  samples    %.0f; kept %s as base, %s for other directions; %.0f float in empty space\n",
                 number("samples"), shareText(number("samples_base"), number("samples")).c_str(),
                 shareText(number("samples_directional"), number("samples")).c_str(), number("samples_floating"));

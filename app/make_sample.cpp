@@ -205,6 +205,10 @@ void addScanner(CLI::App& cli, bool& isScanner, SampleScansOptions& scans) {
         ->check(CLI::Range(0.5, 1000.0))
         ->capture_default_str()
         ->group(group);
+    cli.add_flag("--both-faces", scans.areBothFaces,
+                 "the pan unit goes all round, so that each half of the mirror's turn sees everything: what "
+                 "'revisit calibrate scanner' needs")
+        ->group(group);
     cli.add_flag("--wrong-constants", scans.hasWrongConstants,
                  "records of a scanner with 14,039 pan steps and a mirror of 44.8 degrees, read as if it had 14,000 "
                  "and 45")

@@ -1,5 +1,6 @@
 #include "app/sample_scans.h"
 
+#include "scene/align/scanner_file.h"
 #include "scene/camera_json.h"
 #include "scene/capture/simulated_scan.h"
 #include "scene/capture/spread_positions.h"
@@ -59,13 +60,6 @@ scene::ScannerConstants<double> asFoundByThePaper() {
     return constants;
 }
 
-Json describe(const scene::ScannerConstants<double>& c) {
-    return {{"pan_steps_per_half_turn", c.panStepsPerHalfTurn},
-            {"mirror_rad", c.mirrorRadians},
-            {"horizon_position", c.horizonPosition},
-            {"mirror_m", c.mirrorMetres}};
-}
-
 class SampleScans {
   public:
     SampleScans(const scene::ScannedWorld& world, std::vector<scene::Pose> worldFromScanners, std::uint32_t seed,
@@ -75,6 +69,7 @@ class SampleScans {
         if (options.hasWrongConstants) believed_ = nominal();
         scanner_.noiseMetres = options.noiseMetres;
         scanner_.farthestMetres = options.farthestMetres;
+        if (options.areBothFaces) scanner_.panDegrees = 360;
         setDensity(scanner_, options.samplesPerDegree);
     }
 
@@ -116,7 +111,9 @@ class SampleScans {
                              {"world_from_scanner", scene::rowMajor(worldFromScanners_[i])},
                              {"written_world_from_scanner", scene::rowMajor(writtenPose(i))}});
         std::ofstream file(path);
-        file << Json{{"constants", {{"true", describe(scanner_.constants)}, {"believed", describe(believed_)}}},
+        file << Json{{"constants",
+                      {{"true", scene::describeConstants(scanner_.constants)},
+                       {"believed", scene::describeConstants(believed_)}}},
                      {"noise_m", options_.noiseMetres},
                      {"scans", scans}}
                     .dump(1)

@@ -20,6 +20,7 @@ struct SampleScansOptions {
     double samplesPerDegree = 4;
     double noiseMetres = 0.005; ///< see scene::ScannerOptions
     double farthestMetres = 30;
+    bool areBothFaces = false;      ///< the pan unit goes all round: each half of the mirror's turn sees everything
     bool hasWrongConstants = false; ///< the paper's: 14,039 steps and 44.8 degrees, read as 14,000 and 45
     bool arePosesUnknown = false;   ///< all are written as if the scanner had stood at the origin
     double poseErrorDegrees = 0, poseErrorMetres = 0;
