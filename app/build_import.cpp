@@ -49,7 +49,8 @@ std::string keyOfPhoto(const scene::PhotoSource& photo, const BuildOptions& opti
                   {guesses.radius, guesses.step, guesses.colourStep, guesses.sameSurface, guesses.minSamples}});
 }
 
-std::string keyOfScan(const scene::ScanSource& scan, const scene::CubeFaceOptions& faces) {
+std::string keyOfScan(const scene::ScanSource& scan, const ScanPhotographs& photographs,
+                      const scene::CubeFaceOptions& faces) {
     return keyOf({kImportVersion,
                   scan.name,
                   fingerprintOf(scan.path),
@@ -57,14 +58,22 @@ std::string keyOfScan(const scene::ScanSource& scan, const scene::CubeFaceOption
                   scan.byteInFile,
                   scan.registeredWorldFromScanner ? describe(*scan.registeredWorldFromScanner) : json(),
                   describeReading(scan),
+                  photographs.key,
                   {faces.maxFaceSize, faces.sameSurface, faces.maxLayers}});
 }
 
 /// The faces of a scan and, in points.json, what became of its points.
-void writeFaces(const scene::ScanSource& source, const scene::CubeFaceOptions& options,
-                const std::filesystem::path& folder) {
+void writeFaces(const scene::ScanSource& source, const ScanPhotographs& photographs,
+                const scene::CubeFaceOptions& options, const std::filesystem::path& folder) {
     const scene::Scan scan = readScan(source);
-    const scene::CubeFaces faces = scene::projectToCubeFaces(scan, options);
+    scene::CubeFaces faces = scene::projectToCubeFaces(scan, options);
+    if (!scan.hasColour && !photographs.images.empty()) {
+        std::vector<scene::DepthImage> pictures;
+        for (const scene::StoredImage& photograph : photographs.images)
+            pictures.push_back(scene::readDepthTiff(photograph.file));
+        for (scene::DepthImage& face : faces.faces)
+            colourSamples(face, pictures);
+    }
     json names = json::array();
     for (const scene::DepthImage& face : faces.faces) {
         writeDepthTiff(face, folder / (face.name + ".tiff"));
@@ -106,8 +115,9 @@ scene::Failure nothingToBuild(const BuildOptions& options) {
 }
 
 ImportedImages importImages(const scene::Capture& capture, const std::vector<std::size_t>& heldOut,
-                            const BuildOptions& options, StageStore& store) {
+                            const PhotographStage& photographs, const BuildOptions& options, StageStore& store) {
     ImportedImages imported;
+    imported.photographs = photographs.report;
     std::vector<std::size_t> taken;
     for (std::size_t i = 0; i < capture.photos.size(); ++i)
         if (!std::binary_search(heldOut.begin(), heldOut.end(), i)) taken.push_back(i);
@@ -130,10 +140,14 @@ ImportedImages importImages(const scene::Capture& capture, const std::vector<std
     imported.images = std::move(photos);
 
     // One scan at a time: the points of a single one may fill the memory.
-    for (const scene::ScanSource& scan : capture.scans) {
-        keys.push_back(keyOfScan(scan, options.cubeFaces));
-        const std::filesystem::path folder = store.find(
-            "scan", keys.back(), [&](const std::filesystem::path& part) { writeFaces(scan, options.cubeFaces, part); });
+    for (std::size_t i = 0; i < capture.scans.size(); ++i) {
+        const scene::ScanSource& scan = capture.scans[i];
+        const ScanPhotographs& own = photographs.ofScan[i];
+        keys.push_back(keyOfScan(scan, own, options.cubeFaces));
+        const std::filesystem::path folder = store.find("scan", keys.back(), [&](const std::filesystem::path& part) {
+            writeFaces(scan, own, options.cubeFaces, part);
+        });
+        imported.images.insert(imported.images.end(), own.images.begin(), own.images.end());
         const json points = readJson(folder / "points.json");
         for (const json& name : points.at("faces"))
             imported.images.push_back(storedImage(folder / (name.get<std::string>() + ".tiff")));

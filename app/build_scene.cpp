@@ -6,6 +6,7 @@
 #include "scene/align/scanner_file.h"
 #include "scene/errors.h"
 #include "scene/import/importer.h"
+#include "scene/import/scan_photos.h"
 
 #include <cstdio>
 
@@ -38,6 +39,7 @@ void buildScene(const BuildOptions& options) {
         for (scene::ScanSource& scan : capture.scans)
             scan.reading = reading;
     }
+    if (!options.camera.empty()) useCameraFile(capture, options.camera);
     const std::vector<std::size_t> heldOut = scene::findHeldOut(capture, options.holdOut);
     if (capture.polygons.empty() && capture.scans.empty() && heldOut.size() == capture.photos.size())
         throw nothingToBuild(options);
@@ -53,7 +55,8 @@ void buildScene(const BuildOptions& options) {
 
     BuildReports reports;
     reports.registration = registerCapture(capture, options, store);
-    ImportedImages imported = capture.polygons.empty() ? importImages(capture, heldOut, options, store)
+    const PhotographStage photographs = layPhotographs(capture, options, store);
+    ImportedImages imported = capture.polygons.empty() ? importImages(capture, heldOut, photographs, options, store)
                                                        : capturePolygons(capture, options, store);
     const Overlaps overlaps = findOverlaps(imported, options);
     reports.evening = evenImages(imported, overlaps, options, store);

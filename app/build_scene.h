@@ -27,6 +27,7 @@ struct BuildOptions {
     std::size_t memoryBytes = 8ull << 30; ///< pixels held at a time
     std::string registration = "given";   ///< where scans stand: given, auto, or a file of matches
     std::filesystem::path scanner;        ///< file of a calibrated scanner, or empty
+    std::filesystem::path camera;         ///< of the photographs in E57 files, with its lens; empty: as the file says
     bool cull = true;                     ///< false: every sample is kept
     bool fuse = true;                     ///< false: kept samples stay as they were captured
     PositionsWish positions;              ///< of polygon scenes

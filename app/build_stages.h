@@ -2,6 +2,7 @@
 // The stages of a build as the command runs them: each takes the results of those before it, in files, and leaves its
 // own.
 
+#include "app/build_photographs.h"
 #include "app/build_scene.h"
 #include "app/stage_store.h"
 
@@ -45,11 +46,13 @@ struct ImportedImages {
     glm::dvec3 uprightInWorld{0};     ///< scans and polygons say what is up; zero if there are none
     scene::WalkStart start;
     PolygonFigures polygons;
+    nlohmann::json photographs = nullptr; ///< how those of scans were laid on them: what scene.json and info have
 };
-/// import and project: every photo and every face of every scan as a depth image file. Throws scene::Failure if there
+/// import and project: every photo and every face of every scan as a depth image file, beside the scans' photographs,
+/// from which samples without colour take theirs. Throws scene::Failure if there
 /// is none.
 ImportedImages importImages(const scene::Capture& capture, const std::vector<std::size_t>& heldOut,
-                            const BuildOptions& options, StageStore& store);
+                            const PhotographStage& photographs, const BuildOptions& options, StageStore& store);
 
 /// capture: the faces of the cube about each reference position as depth image files. What the scene's file had to say
 /// goes to capture.remarks. Throws scene::Failure.

@@ -33,6 +33,7 @@ json describeOptions(const BuildOptions& o) {
             {"register", o.registration},
             {"scanner", o.scanner.string()},
             {"colour_even", o.evenColour},
+            {"camera", o.camera.string()},
             {"cull", o.cull},
             {"fuse", o.fuse},
             {"tile_size", o.pyramid.tileSize},
@@ -59,6 +60,12 @@ json explain(const scene::Capture& capture, const ImportedImages& imported, cons
     else
         reasons.push_back("depth images: " + std::to_string(capture.photos.size()) + " photographs and " +
                           std::to_string(capture.scans.size()) + " scans in the capture");
+    if (!imported.photographs.is_null())
+        reasons.push_back(
+            std::to_string(std::count_if(imported.photographs.begin(), imported.photographs.end(),
+                                         [](const json& photo) { return photo.at("used").get<bool>(); })) +
+            " of " + std::to_string(imported.photographs.size()) +
+            " photographs beside scans, with the range of those scans");
     reasons.push_back(overlaps.pairs > 0
                           ? "skins, redundancy and fusion over " + std::to_string(overlaps.pairs) + " overlapping pairs"
                           : std::string("skins by planarity alone: no two images overlap"));
@@ -208,6 +215,7 @@ void writeScene(const std::filesystem::path& output, const scene::Capture& captu
                       {"polygons", describePolygons(imported.polygons, options)},
                       {"registration", reports.registration},
                       {"colour_evening", reports.evening},
+                      {"photographs", imported.photographs},
                       {"coverage", !coverage.file.empty()},
                       {"figures",
                        {{"images", imported.images.size()},

@@ -76,6 +76,22 @@ void printRegistration(const json& registration) {
     }
 }
 
+/// How photographs were laid on their scans, and how sure that is.
+void printPhotographs(const json& photographs) {
+    if (photographs.is_null()) return;
+    for (const json& photo : photographs) {
+        std::printf("  photograph %s of %s: %s", photo.at("name").get<std::string>().c_str(),
+                    photo.at("scan").get<std::string>().c_str(), photo.at("verdict").get<std::string>().c_str());
+        if (photo.at("sure").get<bool>())
+            std::printf("; turned by %.3f degrees, known to %.3f", photo.at("turned_deg").get<double>(),
+                        photo.at("deviation_deg").get<double>());
+        else
+            std::printf(" (%s)", photo.at("why").get<std::string>().c_str());
+        std::printf("; the next best turn scores %s, %s of its parts agree\n",
+                    shareText(photo.at("rival_share"), 1).c_str(), shareText(photo.at("agreeing"), 1).c_str());
+    }
+}
+
 void printNotes(const Notes& notes) {
     for (const Note& note : notes.list) {
         const glm::dvec3 &a = note.from, &b = note.to;
@@ -114,6 +130,7 @@ void printInfo(const std::filesystem::path& folder, bool asJson) {
                     number("scan_points_held"), number("scan_points_dropped"));
     printRegistration(info.value("registration", json()));
     printEvening(info.value("colour_evening", json()));
+    printPhotographs(info.value("photographs", json()));
     std::printf("  samples    %.0f; kept %s as base, %s for other directions; %.0f float in empty space\n",
                 number("samples"), shareText(number("samples_base"), number("samples")).c_str(),
                 shareText(number("samples_directional"), number("samples")).c_str(), number("samples_floating"));

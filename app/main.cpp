@@ -133,6 +133,11 @@ void addBuild(CLI::App& program, app::BuildOptions& options, std::string& memory
                       "calibrate scanner' makes");
     build->add_flag("--colour-even", options.evenColour,
                     "make exposure and white balance of overlapping images even; held-out pictures stay as taken");
+    build
+        ->add_option("--camera", options.camera,
+                     "JSON file of the camera and lens (k1, k2, ...) of the photographs in E57 files, which cannot say "
+                     "how a lens distorts")
+        ->type_name("FILE");
     build->footer("Examples:\n"
                   "  revisit build living_room/ -o room.revisit\n"
                   "  revisit build scan_a.e57 scan_b.e57 -o site.revisit --memory 4G\n"

@@ -180,6 +180,42 @@ bool parsePoseError(const std::string& text, SampleScansOptions& scans) {
            scans.poseErrorDegrees <= 180 && scans.poseErrorMetres >= 0 && scans.poseErrorMetres <= 1e6;
 }
 
+/// "WIDTHxHEIGHT"; false if it is not written like that.
+bool parsePhotographSize(const std::string& text, SampleScansOptions& scans) {
+    scene::Camera camera;
+    if (!cameraOf(text, camera)) return false;
+    scans.photographWidth = camera.width, scans.photographHeight = camera.height;
+    return true;
+}
+
+void addPhotographs(CLI::App& cli, SampleScansOptions& scans, const std::string& group) {
+    cli.add_option("--photographs", scans.photographs,
+                   "of each scan, by a camera in the scanner's place, around the horizon; and camera.json")
+        ->check(CLI::Range(0, 1000))
+        ->capture_default_str()
+        ->group(group);
+    cli.add_option_function<std::string>(
+           "--photograph-size",
+           [&scans](const std::string& text) {
+               if (!parsePhotographSize(text, scans))
+                   throw CLI::ValidationError("--photograph-size", "not WIDTHxHEIGHT: " + text);
+           },
+           "in pixels, 65 degrees across")
+        ->type_name("WxH")
+        ->default_str("960x720")
+        ->group(group);
+    cli.add_option("--photograph-error", scans.photographErrorDegrees,
+                   "degrees by which their poses are written wrong, each about an axis of its own")
+        ->check(CLI::Range(0.0, 180.0))
+        ->capture_default_str()
+        ->group(group);
+    cli.add_option("--exposure-drift", scans.exposureStops,
+                   "stops by which their exposures drift to either side; white balance drifts along")
+        ->check(CLI::Range(0.0, 8.0))
+        ->capture_default_str()
+        ->group(group);
+}
+
 void addScanner(CLI::App& cli, bool& isScanner, SampleScansOptions& scans) {
     const std::string group = "Laser scans";
     CLI::Option* const scanner = cli.add_flag("--scanner", isScanner,
@@ -231,6 +267,7 @@ void addScanner(CLI::App& cli, bool& isScanner, SampleScansOptions& scans) {
         ->check(CLI::IsMember({"e57", "ptx"}))
         ->capture_default_str()
         ->group(group);
+    addPhotographs(cli, scans, group);
     for (CLI::Option* const option : cli.get_options())
         if (option->get_group() == group && option != scanner) option->needs(scanner);
 }

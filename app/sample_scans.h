@@ -4,7 +4,10 @@
 //   OUT/scans.e57 | scans.ptx   as a scanner's program would write them: from the constants it believes in, at the
 //                               poses somebody noted down, right or not
 //   OUT/truth.json              {"constants": {"true": {...}, "believed": {...}}, "scans": [{"name",
-//                               "world_from_scanner": [16, row-major], "written_world_from_scanner"}]}
+//                               "world_from_scanner": [16, row-major], "written_world_from_scanner"}],
+//                               "photographs": [{"name", "scan", "scanner_from_camera", "written_scanner_from_camera",
+//                               "turned_wrong_deg", "exposure_stops", "white_balance"}]}
+//   OUT/camera.json             with photographs: their camera and its lens (scene/import/camera_file.h)
 
 #include "scene/pose.h"
 
@@ -26,6 +29,11 @@ struct SampleScansOptions {
     double poseErrorDegrees = 0, poseErrorMetres = 0;
     bool withColour = true;
     std::string format = "e57"; ///< or ptx
+    int photographs = 0;        ///< of each scan, around the horizon; E57 alone can hold them
+    int photographWidth = 960, photographHeight = 720;
+    double photographDegrees = 65;     ///< across
+    double photographErrorDegrees = 1; ///< their poses are written wrong by a turn of so much
+    double exposureStops = 0;          ///< exposures and white balances drift so far to either side
 };
 
 /// sceneName: of scene::makeSyntheticScene; unused where polygons are given. Returns the pose of the true world in that

@@ -27,4 +27,10 @@ struct Scan {
     std::int64_t invalidPoints = 0; ///< points the file marks invalid or that are not finite; not among the points
 };
 
+/// A scan and the strength of what came back, one for each point, in units of its own; empty where it has none.
+struct ScanWithIntensity {
+    Scan scan;
+    std::vector<float> intensities;
+};
+
 } // namespace scene

@@ -20,3 +20,10 @@ add_executable(revisit_calibration_study bench/calibration_study.cpp)
 target_include_directories(revisit_calibration_study PRIVATE ${CMAKE_SOURCE_DIR})
 target_link_libraries(revisit_calibration_study PRIVATE revisit_flags scene_align scene_capture
     nlohmann_json::nlohmann_json)
+
+# The same of photographs against their scans (docs/performance.md).
+add_executable(revisit_colour_study bench/colour_study.cpp)
+target_include_directories(revisit_colour_study PRIVATE ${CMAKE_SOURCE_DIR})
+target_include_directories(revisit_colour_study SYSTEM PRIVATE ${OpenCV_INCLUDE_DIRS})
+target_link_libraries(revisit_colour_study PRIVATE revisit_flags scene_align scene_capture scene_project
+    nlohmann_json::nlohmann_json opencv_core opencv_imgcodecs)

@@ -88,13 +88,15 @@ void setNumbers(e57::ImageFile& file, e57::StructureNode& node, const char* grou
     node.set(group, child);
 }
 
-void addScan(e57::ImageFile& file, e57::VectorNode& data3D, const ScanWithIntensity& written, Block& block) {
+/// Returns the name by which photographs say that they belong to it.
+std::string addScan(e57::ImageFile& file, e57::VectorNode& data3D, const ScanWithIntensity& written, Block& block) {
     const Scan& scan = written.scan;
     assert(written.intensities.size() == scan.pointsInScanner.size());
     e57::StructureNode node(file);
     data3D.append(node);
     node.set("name", e57::StringNode(file, scan.name));
-    node.set("guid", e57::StringNode(file, guidOf(written)));
+    const std::string guid = guidOf(written);
+    node.set("guid", e57::StringNode(file, guid));
     setPose(file, node, scan.worldFromScanner);
     const auto [low, high] = std::minmax_element(written.intensities.begin(), written.intensities.end());
     const bool isEmpty = written.intensities.empty(), isGrid = scan.rows > 0;
@@ -140,7 +142,7 @@ void addScan(e57::ImageFile& file, e57::VectorNode& data3D, const ScanWithIntens
     e57::CompressedVectorNode points(file, prototype, e57::VectorNode(file, true));
     node.set("points", points);
     const std::size_t count = scan.pointsInScanner.size();
-    if (count == 0) return;
+    if (count == 0) return guid;
     e57::CompressedVectorWriter writer = points.writer(buffers);
     for (std::size_t first = 0; first < count; first += kBlockPoints) {
         const std::size_t size = std::min(kBlockPoints, count - first);
@@ -148,12 +150,42 @@ void addScan(e57::ImageFile& file, e57::VectorNode& data3D, const ScanWithIntens
         writer.write(size);
     }
     writer.close();
+    return guid;
+}
+
+/// E57 has a camera look along -Z with Y up. Lengths are in metres there; of the sensor only ratios are known here, so
+/// it is taken to have pixels of 5 micrometres.
+void addPhotograph(e57::ImageFile& file, e57::VectorNode& images2D, const WrittenPhotograph& written,
+                   const std::string& guidOfScan) {
+    constexpr double kPixelMetres = 5e-6;
+    const Camera& camera = written.camera;
+    e57::StructureNode node(file), pinhole(file);
+    images2D.append(node);
+    node.set("name", e57::StringNode(file, written.name));
+    std::uint64_t content = written.jpeg.size();
+    for (const std::uint8_t byte : written.jpeg)
+        content = mixBits(content, byte);
+    node.set("guid", e57::StringNode(file, guidOf(written.name, content)));
+    node.set("associatedData3DGuid", e57::StringNode(file, guidOfScan));
+    setPose(file, node, written.worldFromCamera * headFromCamera());
+    node.set("pinholeRepresentation", pinhole);
+    pinhole.set("imageWidth", e57::IntegerNode(file, camera.width));
+    pinhole.set("imageHeight", e57::IntegerNode(file, camera.height));
+    pinhole.set("focalLength", e57::FloatNode(file, camera.fx * kPixelMetres));
+    pinhole.set("pixelWidth", e57::FloatNode(file, kPixelMetres));
+    pinhole.set("pixelHeight", e57::FloatNode(file, kPixelMetres * camera.fx / camera.fy));
+    pinhole.set("principalPointX", e57::FloatNode(file, camera.cx));
+    pinhole.set("principalPointY", e57::FloatNode(file, camera.cy));
+    e57::BlobNode blob(file, static_cast<std::int64_t>(written.jpeg.size()));
+    pinhole.set("jpegImage", blob);
+    std::vector<std::uint8_t> bytes = written.jpeg;
+    if (!bytes.empty()) blob.write(bytes.data(), 0, bytes.size());
 }
 
 } // namespace
 
 void writeE57(const std::filesystem::path& path, std::size_t count,
-              const std::function<ScanWithIntensity(std::size_t)>& scanAt) {
+              const std::function<ScanWithIntensity(std::size_t)>& scanAt, const WrittenPhotographs& photographs) {
     try {
         const UnfinishedFile unfinished(path);
         e57::ImageFile file(unfinished.path().string(), "w");
@@ -168,8 +200,13 @@ void writeE57(const std::filesystem::path& path, std::size_t count,
         root.set("images2D", images2D);
         Block block;
         try {
+            std::vector<std::string> guids;
             for (std::size_t i = 0; i < count; ++i)
-                addScan(file, data3D, scanAt(i), block);
+                guids.push_back(addScan(file, data3D, scanAt(i), block));
+            for (std::size_t i = 0; i < photographs.count; ++i) {
+                const WrittenPhotograph photograph = photographs.at(i);
+                addPhotograph(file, images2D, photograph, guids.at(photograph.scan));
+            }
             file.close();
             unfinished.finish();
         } catch (...) {

@@ -44,9 +44,21 @@ struct ScanSource {
     int rows = 0, columns = 0;   ///< 0: unstructured
 };
 
+/// A photograph that stands beside a scan in its file: it has no range of its own, but the scan has.
+struct ScanPhoto {
+    std::string name; ///< unique within the capture
+    std::filesystem::path path;
+    int indexInFile = 0;
+    Camera camera;
+    Distortion distortion; ///< E57 has no field for it; a camera file may (scene/import/camera_file.h)
+    Pose worldFromCamera;  ///< as the file says, beside the scan's pose as the file says
+    std::size_t scan = 0;  ///< index of its scan within the capture
+};
+
 struct Capture {
     std::vector<PhotoSource> photos;
     std::vector<ScanSource> scans;
+    std::vector<ScanPhoto> scanPhotos;           ///< those of a scan one after another
     std::vector<std::filesystem::path> polygons; ///< scenes to be ray-traced
     std::vector<std::string> remarks;            ///< what was seen but cannot be used, in whole sentences for the user
 };

@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <limits>
+#include <map>
 #include <set>
 
 #include <opencv2/imgcodecs.hpp>
@@ -135,6 +136,11 @@ std::vector<E57Image> listE57Images(const std::filesystem::path& path) {
         const auto fileBytes = static_cast<std::int64_t>(std::filesystem::file_size(path));
         e57::ImageFile file = openE57(path);
         std::set<std::string> names;
+        std::map<std::string, int> scanOfGuid;
+        for (std::int64_t i = 0; i < childCountOf(file, "data3D"); ++i) {
+            const std::string guid = textOf(structureAt(file, "data3D", i, path), "guid");
+            if (!guid.empty()) scanOfGuid.emplace(guid, static_cast<int>(i));
+        }
         const std::int64_t count = childCountOf(file, "images2D");
         for (std::int64_t i = 0; i < count; ++i) {
             const e57::StructureNode node = structureAt(file, "images2D", i, path);
@@ -159,6 +165,8 @@ std::vector<E57Image> listE57Images(const std::filesystem::path& path) {
                 if (image.kind == E57ImageKind::spherical)
                     image.pixelHeightRadians = numberOf(representation->node, "pixelHeight").value_or(0);
             }
+            if (const auto scan = scanOfGuid.find(textOf(node, "associatedData3DGuid")); scan != scanOfGuid.end())
+                image.scanInFile = scan->second;
             image.byteCount = picture->byteCount();
             if (image.byteCount < 0 || image.byteCount > fileBytes)
                 throw Failure("claims " + std::to_string(image.byteCount) + " bytes for image '" + image.name +

@@ -8,6 +8,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -26,6 +27,9 @@ std::vector<ScanSource> listE57(const std::filesystem::path& path, std::vector<s
 /// hold.
 Scan readE57Scan(const ScanSource& source);
 
+/// The same with the intensities as the file has them; NaN where it marks one invalid.
+ScanWithIntensity readE57ScanWithIntensity(const ScanSource& source);
+
 enum class E57ImageKind { visualReference, pinhole, spherical, cylindrical };
 
 /// A photograph embedded in the file. camera is a pinhole's; the others have angular pixels instead.
@@ -42,6 +46,7 @@ struct E57Image {
     double pixelWidthRadians = 0,
            pixelHeightRadians = 0; ///< spherical; cylindrical has pixelWidthRadians alone
     std::int64_t byteCount = 0;    ///< of the encoded picture; proved against the file's size
+    std::optional<int> scanInFile; ///< the scan that it says it belongs to, as ScanSource::indexInFile
 };
 
 /// The photographs of a file, by its headers alone. Failure: as listE57, and a picture longer than the file.

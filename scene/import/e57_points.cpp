@@ -186,9 +186,10 @@ class Records {
 // The colour of a scan's points, or their brightness until the observed range is known.
 class Colours {
   public:
-    Colours(const e57::StructureNode& scan, const e57::StructureNode& prototype, const Records& records)
+    Colours(const e57::StructureNode& scan, const e57::StructureNode& prototype, const Records& records,
+            bool wantsIntensity)
         : hasColour(records.has(kRed) && records.has(kGreen) && records.has(kBlue)),
-          hasIntensity_(!hasColour && records.has(kIntensity)),
+          hasIntensity_((wantsIntensity || !hasColour) && records.has(kIntensity)),
           intensity_(limitsOf(scan, "intensityLimits", "intensity")) {
         const char* const limitNames[] = {"colorRed", "colorGreen", "colorBlue"};
         for (int c = 0; c < 3; ++c) {
@@ -221,8 +222,11 @@ class Colours {
         if (std::isfinite(value)) observed_ = {std::min(observed_.minimum, value), std::max(observed_.maximum, value)};
     }
 
+    /// As the file has them; empty where it has none.
+    std::vector<float> takeIntensities() { return std::move(brightness_); }
+
     void finish(Scan& scan) const {
-        if (!hasIntensity_) return;
+        if (!hasIntensity_ || hasColour) return;
         const Limits& limits = intensity_.known() ? intensity_ : observed_;
         for (std::size_t i = 0; i < brightness_.size(); ++i) {
             const std::uint8_t grey = std::isfinite(brightness_[i]) ? to8Bit(limits.unit(brightness_[i])) : 128;
@@ -263,10 +267,9 @@ void settleGrid(Scan& scan) {
     scan.columns = static_cast<int>(columns);
 }
 
-} // namespace
-
-Scan readE57Scan(const ScanSource& source) {
-    Scan scan;
+ScanWithIntensity readAs(const ScanSource& source, bool wantsIntensity) {
+    ScanWithIntensity result;
+    Scan& scan = result.scan;
     scan.name = source.name;
     withE57Failures(source.path, [&] {
         e57::ImageFile file = openE57(source.path);
@@ -281,7 +284,7 @@ Scan readE57Scan(const ScanSource& source) {
         Records records(file, points);
         if (!records.has(kX) || !records.has(kY) || !records.has(kZ))
             throw Failure("scan '" + source.name + "' has no coordinates", source.path, "export it with coordinates");
-        Colours colours(node, prototype, records);
+        Colours colours(node, prototype, records, wantsIntensity);
         scan.hasColour = colours.hasColour;
         if (count == 0) return; // some writers give such a list no bytes at all
 
@@ -332,8 +335,19 @@ Scan readE57Scan(const ScanSource& source) {
             forgetGrid(scan);
         else
             settleGrid(scan);
+        result.intensities = colours.takeIntensities();
     });
-    return scan;
+    return result;
+}
+
+} // namespace
+
+Scan readE57Scan(const ScanSource& source) {
+    return readAs(source, false).scan;
+}
+
+ScanWithIntensity readE57ScanWithIntensity(const ScanSource& source) {
+    return readAs(source, true);
 }
 
 } // namespace scene

@@ -4,6 +4,7 @@
 #include "scene/import/e57.h"
 #include "scene/import/polygons.h"
 #include "scene/import/ptx.h"
+#include "scene/import/scan_photos.h"
 #include "scene/import/transforms_json.h"
 #include "scene/import/tum_rgbd.h"
 
@@ -28,6 +29,15 @@ void append(std::vector<ScanSource>& scans, std::vector<ScanSource> more) {
     scans.insert(scans.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
 }
 
+void openE57Input(const std::filesystem::path& input, Capture& capture) {
+    std::vector<ScanSource> scans = listE57(input, capture.remarks);
+    if (scans.empty()) return;
+    std::vector<ScanPhoto> photos = listScanPhotos(input, scans, capture.scans.size(), capture.remarks);
+    std::stable_sort(photos.begin(), photos.end(), [](const auto& a, const auto& b) { return a.scan < b.scan; });
+    append(capture.scans, std::move(scans));
+    capture.scanPhotos.insert(capture.scanPhotos.end(), photos.begin(), photos.end());
+}
+
 void openInput(const std::filesystem::path& input, Capture& capture) {
     std::error_code ignored;
     if (!std::filesystem::exists(input, ignored)) throw Failure("no such file or folder", input, "check the path");
@@ -41,7 +51,7 @@ void openInput(const std::filesystem::path& input, Capture& capture) {
     }
     const std::string extension = lowerCaseExtension(input);
     if (extension == ".json") return listTransformsJson(input, capture);
-    if (extension == ".e57") return append(capture.scans, listE57(input, capture.remarks));
+    if (extension == ".e57") return openE57Input(input, capture);
     if (extension == ".ptx") return append(capture.scans, listPtx(input));
     if (isPolygonFile(input)) return capture.polygons.push_back(input);
     throw Failure(
@@ -114,6 +124,7 @@ Capture openCapture(std::span<const std::filesystem::path> inputs) {
     std::unordered_set<std::string> taken;
     makeNamesUnique(capture.photos, taken);
     makeNamesUnique(capture.scans, taken);
+    makeNamesUnique(capture.scanPhotos, taken);
     return capture;
 }
 

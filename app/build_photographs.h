@@ -1,0 +1,37 @@
+#pragma once
+// The photographs that stand beside scans in their files: laid on their scans (N3), given their range (N4), and what
+// the scans' own samples take their colours from.
+
+#include "app/build_scene.h"
+#include "app/stage_store.h"
+
+#include "scene/depth_image.h"
+#include "scene/image_store.h"
+#include "scene/import/capture.h"
+
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+namespace app {
+
+/// Of one scan.
+struct ScanPhotographs {
+    std::string key;                        ///< of input and options; empty: it has none
+    std::vector<scene::StoredImage> images; ///< those that are used, as 3D photographs
+};
+
+struct PhotographStage {
+    std::vector<ScanPhotographs> ofScan; ///< one for each of the capture's scans
+    nlohmann::json report = nullptr;     ///< what scene.json and info have; null: the capture has no photographs
+};
+
+/// Lays every photograph on its scan. What there is to say goes to the capture's remarks. Throws scene::Failure.
+PhotographStage layPhotographs(scene::Capture& capture, const BuildOptions& options, StageStore& store);
+
+/// Gives samples without colour that of the photographs which see them: the mean of all, each counting by how far
+/// inside its picture the sample is seen. Photographs from beside the image's place must see the sample's surface.
+void colourSamples(scene::DepthImage& image, const std::vector<scene::DepthImage>& photographs);
+
+} // namespace app

@@ -1,0 +1,224 @@
+#include "scene/project/planar_projection.h"
+
+#include "scene/project/loose_points.h"
+#include "scene/project/scan_grid.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <span>
+
+#include <glm/geometric.hpp>
+#include <tbb/parallel_for.h>
+
+namespace scene {
+
+namespace {
+
+constexpr double kNoiseWidths = 6; ///< of noise, that two samples of one surface may differ by
+constexpr int kMostSupport = 64;   ///< pixels; a camera far finer than the scan is left with holes
+
+/// A sample as the camera sees it.
+struct Seen {
+    float x = 0, y = 0, disparity = 0;
+    std::uint32_t point = 0;
+};
+
+struct Member {
+    float dx = 0, dy = 0; ///< from the pixel's centre, pixels
+    float disparity = 0, weight = 0;
+    std::uint32_t point = 0;
+
+    /// Sorted by disparity; the rest makes sums the same on any number of threads.
+    bool operator<(const Member& other) const {
+        return disparity != other.disparity ? disparity < other.disparity : point < other.point;
+    }
+};
+
+/// Samples by the pixel they fall into: those of pixel i are [first[i], first[i + 1]).
+struct Buckets {
+    std::vector<Seen> samples;
+    std::vector<std::uint32_t> first;
+};
+
+Buckets sortIntoPixels(const Scan& scan, const Pose& cameraFromScanner, const Camera& camera) {
+    const auto pixels = static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height);
+    std::vector<Seen> seen(scan.pointsInScanner.size());
+    std::vector<std::int64_t> pixelOf(seen.size());
+    tbb::parallel_for(std::size_t{0}, seen.size(), [&](std::size_t i) {
+        const glm::dvec3 p = cameraFromScanner * glm::dvec3(scan.pointsInScanner[i]);
+        pixelOf[i] = -1;
+        if (!(p.z > kNearestMetres)) return;
+        const glm::dvec2 place = project(camera, p);
+        if (!(place.x >= 0 && place.y >= 0 && place.x < camera.width && place.y < camera.height)) return;
+        seen[i] = {static_cast<float>(place.x), static_cast<float>(place.y), static_cast<float>(1 / p.z),
+                   static_cast<std::uint32_t>(i)};
+        pixelOf[i] = static_cast<std::int64_t>(place.y) * camera.width + static_cast<std::int64_t>(place.x);
+    });
+    Buckets buckets;
+    buckets.first.assign(pixels + 1, 0);
+    for (const std::int64_t pixel : pixelOf)
+        if (pixel >= 0) ++buckets.first[static_cast<std::size_t>(pixel) + 1];
+    for (std::size_t i = 0; i < pixels; ++i)
+        buckets.first[i + 1] += buckets.first[i];
+    buckets.samples.resize(buckets.first.back());
+    std::vector<std::uint32_t> next(buckets.first.begin(), buckets.first.end() - 1);
+    for (std::size_t i = 0; i < seen.size(); ++i)
+        if (pixelOf[i] >= 0) buckets.samples[next[static_cast<std::size_t>(pixelOf[i])]++] = seen[i];
+    return buckets;
+}
+
+/// Weighted sums for the plane d = a + b dx + c dy.
+float planeAtCentre(std::span<const Member> members) {
+    double w = 0, x = 0, y = 0, d = 0;
+    for (const Member& m : members) {
+        w += m.weight;
+        x += double{m.weight} * m.dx, y += double{m.weight} * m.dy, d += double{m.weight} * m.disparity;
+    }
+    x /= w, y /= w, d /= w;
+    double xx = 0, xy = 0, yy = 0, xd = 0, yd = 0;
+    for (const Member& m : members) {
+        const double dx = m.dx - x, dy = m.dy - y, dd = m.disparity - d;
+        xx += m.weight * dx * dx, xy += m.weight * dx * dy, yy += m.weight * dy * dy;
+        xd += m.weight * dx * dd, yd += m.weight * dy * dd;
+    }
+    const double determinant = xx * yy - xy * xy;
+    // Samples in a line say nothing about the slope across it.
+    if (members.size() < 4 || determinant < 0.02 * (xx + yy) * (xx + yy)) return static_cast<float>(d);
+    const double b = (xd * yy - yd * xy) / determinant, c = (yd * xx - xd * xy) / determinant;
+    const double least = members.front().disparity, most = members.back().disparity;
+    return static_cast<float>(std::clamp(d - b * x - c * y, least, most));
+}
+
+class Projection {
+  public:
+    Projection(const Scan& scan, const AngularSteps& steps, const Camera& camera, const Buckets& buckets,
+               const PlanarOptions& options)
+        : scan_(scan), camera_(camera), buckets_(buckets), options_(options),
+          step_(std::max(steps.horizontal, steps.vertical)) {}
+
+    void row(int y, DepthImage& image) const {
+        std::vector<Member> members;
+        for (int x = 0; x < camera_.width; ++x)
+            pixel(x, y, members, image);
+    }
+
+  private:
+    void pixel(int x, int y, std::vector<Member>& members, DepthImage& image) const {
+        const glm::dvec3 ray = rayThrough(camera_, x + 0.5, y + 0.5);
+        const double away = glm::dot(ray, ray); // angles widen by this towards the rim
+        const double spacingX = std::max(step_ * camera_.fx * away, 1.0),
+                     spacingY = std::max(step_ * camera_.fy * away, 1.0);
+        const double reachX = options_.support * spacingX, reachY = options_.support * spacingY;
+        gather(x, y, reachX, reachY, members);
+        if (members.empty()) return;
+        const std::span<const Member> cluster = heaviest(members, std::sqrt(away));
+        if (cluster.size() == 1 && members.size() > 2) return; // between surfaces, or by itself
+        const bool isNear = std::any_of(cluster.begin(), cluster.end(), [&](const Member& m) {
+            return std::abs(m.dx) <= options_.reach * spacingX && std::abs(m.dy) <= options_.reach * spacingY;
+        });
+        if (!isNear) return;
+        image.disparity(x, y) = planeAtCentre(cluster);
+        image.flags(x, y) = scan_.hasColour ? std::uint8_t{0} : std::uint8_t{kNoColour};
+        double w = 0, r = 0, g = 0, b = 0;
+        for (const Member& m : cluster) {
+            const Rgb8& c = scan_.colours[m.point];
+            w += m.weight, r += double{m.weight} * c.r, g += double{m.weight} * c.g, b += double{m.weight} * c.b;
+        }
+        const auto byte = [&](double sum) { return static_cast<std::uint8_t>(std::lround(sum / w)); };
+        image.colour(x, y) = {byte(r), byte(g), byte(b)};
+    }
+
+    void gather(int x, int y, double reachX, double reachY, std::vector<Member>& members) const {
+        members.clear();
+        const int rx = std::min(static_cast<int>(std::ceil(reachX)), kMostSupport),
+                  ry = std::min(static_cast<int>(std::ceil(reachY)), kMostSupport);
+        const int left = std::max(x - rx, 0), right = std::min(x + rx, camera_.width - 1);
+        for (int j = std::max(y - ry, 0); j <= std::min(y + ry, camera_.height - 1); ++j) {
+            const auto start = static_cast<std::size_t>(j) * static_cast<std::size_t>(camera_.width);
+            const std::uint32_t begin = buckets_.first[start + static_cast<std::size_t>(left)],
+                                end = buckets_.first[start + static_cast<std::size_t>(right) + 1];
+            for (std::uint32_t i = begin; i < end; ++i) {
+                const Seen& seen = buckets_.samples[i];
+                const double dx = seen.x - (x + 0.5), dy = seen.y - (y + 0.5);
+                const double weight = (1 - std::abs(dx) / reachX) * (1 - std::abs(dy) / reachY);
+                if (std::abs(dx) >= reachX || std::abs(dy) >= reachY || weight <= 0) continue;
+                members.push_back({static_cast<float>(dx), static_cast<float>(dy), seen.disparity,
+                                   static_cast<float>(weight), seen.point});
+            }
+        }
+        std::sort(members.begin(), members.end());
+    }
+
+    /// secant: between the pixel's ray and the camera's axis; noise is along the ray.
+    std::span<const Member> heaviest(std::span<const Member> sorted, double secant) const {
+        std::size_t bestFirst = 0, bestEnd = 0;
+        double bestWeight = 0;
+        for (std::size_t first = 0, end = 0; first < sorted.size(); first = end) {
+            double weight = 0;
+            do {
+                weight += sorted[end].weight;
+                ++end;
+            } while (end < sorted.size() &&
+                     sorted[end].disparity - sorted[end - 1].disparity <= gap(sorted[end].disparity, secant));
+            if (weight > bestWeight) bestWeight = weight, bestFirst = first, bestEnd = end;
+        }
+        return sorted.subspan(bestFirst, bestEnd - bestFirst);
+    }
+
+    double gap(double disparity, double secant) const {
+        const double noise = options_.noiseMetres / secant * disparity; // relative
+        return disparity * std::max(options_.sameSurface, kNoiseWidths * noise);
+    }
+
+    const Scan& scan_;
+    const Camera& camera_;
+    const Buckets& buckets_;
+    const PlanarOptions& options_;
+    double step_;
+};
+
+} // namespace
+
+AngularSteps stepsOf(const Scan& scan, const glm::dvec3& copInScanner) {
+    const std::optional<ScanGrid> grid = gridOf(scan, 0.02);
+    return grid ? grid->steps : looseSteps(scan, copInScanner);
+}
+
+DepthImage projectToCamera(const Scan& scan, const AngularSteps& steps, const Pose& cameraFromScanner,
+                           const Camera& camera, const PlanarOptions& options) {
+    DepthImage image;
+    image.camera = camera;
+    image.colour = Image<Rgb8>(camera.width, camera.height);
+    image.disparity = Image<float>(camera.width, camera.height, 0.0f);
+    image.flags = Image<std::uint8_t>(camera.width, camera.height, kNoSurface);
+    const Buckets buckets = sortIntoPixels(scan, cameraFromScanner, camera);
+    const Projection projection(scan, steps, camera, buckets, options);
+    tbb::parallel_for(0, camera.height, [&](int y) { projection.row(y, image); });
+    return image;
+}
+
+double rangeNoiseOf(const Scan& scan) {
+    if (scan.rows == 0) return 0;
+    constexpr std::size_t kMost = 1 << 18;
+    constexpr float kSilhouette = 0.05f;
+    // Points of a column follow each other in files; any three that do and are next to each other serve.
+    std::vector<float> off;
+    const std::size_t count = scan.pointsInScanner.size();
+    const std::size_t stride = std::max<std::size_t>(1, count / kMost);
+    for (std::size_t i = 1; i + 1 < count; i += stride) {
+        if (scan.column[i - 1] != scan.column[i] || scan.column[i + 1] != scan.column[i]) continue;
+        if (std::abs(scan.row[i - 1] - scan.row[i]) != 1 || scan.row[i - 1] + scan.row[i + 1] != 2 * scan.row[i])
+            continue;
+        const float a = glm::length(scan.pointsInScanner[i - 1]), b = glm::length(scan.pointsInScanner[i]),
+                    c = glm::length(scan.pointsInScanner[i + 1]);
+        if (std::abs(a - b) > kSilhouette * b || std::abs(c - b) > kSilhouette * b) continue;
+        off.push_back(std::abs(b - 0.5f * (a + c)));
+    }
+    if (off.size() < 100) return 0;
+    const auto middle = off.begin() + std::ssize(off) / 2;
+    std::nth_element(off.begin(), middle, off.end());
+    return 1.4826 * double{*middle} / std::sqrt(1.5);
+}
+
+} // namespace scene

@@ -1,0 +1,42 @@
+#pragma once
+// Scattered samples of a scan -> the range image of a planar camera that stands at, or near, the scanner: a
+// photograph's. Nyland et al. 1999, section 4.3 (planar projection): samples are splatted with bilinear support into a
+// list for each pixel, each list is clustered by range, and the heaviest cluster gives the pixel its range. So no
+// sample hangs between foreground and background, whatever the scanner's aperture averaged, and small drop-outs are
+// closed.
+//
+//      o o o o       x: ranges averaged over both surfaces, each in a cluster of its own, of one sample
+//             x
+//              x o o o o o
+//
+// What we changed: the pixel takes the plane through its cluster's samples (in disparity, where planes are affine)
+// instead of their weighted mean, which would be drawn to the side where more of them stand; and a pixel without a
+// sample near by takes no range, so that silhouettes before the sky do not grow by the width of the support.
+
+#include "scene/depth_image.h"
+#include "scene/project/cube_layout.h"
+#include "scene/scan.h"
+
+namespace scene {
+
+struct PlanarOptions {
+    double support = 1.5;       ///< half of a splat's width, in the scan's spacings
+    double sameSurface = 0.015; ///< neighbours in a sorted list that differ by more, relatively, are two clusters
+    double noiseMetres = 0.002; ///< standard deviation of range; clusters are at least six times as wide
+    double reach = 0.55;        ///< a pixel takes no range if no sample of its cluster is so near, in spacings
+};
+
+/// The scan's angular density about a place near the scanner, radians.
+AngularSteps stepsOf(const Scan& scan, const glm::dvec3& copInScanner);
+
+/// What the scan says about each of the camera's pixels: disparity and, from the same samples, colour (its own, or its
+/// intensity: then kNoColour). Name and pose are left to the caller. Pixels that it says nothing about are kNoSurface.
+/// The same bytes on any number of threads.
+DepthImage projectToCamera(const Scan& scan, const AngularSteps& steps, const Pose& cameraFromScanner,
+                           const Camera& camera, const PlanarOptions& options = {});
+
+/// The standard deviation of range, metres, as the scan itself shows it: by how much samples leave the line between
+/// their neighbours in the grid, on most surfaces. 0 where it has no grid.
+double rangeNoiseOf(const Scan& scan);
+
+} // namespace scene
