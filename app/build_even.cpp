@@ -41,6 +41,26 @@ json describe(const ImportedImages& imported, const scene::ColourEvening& evenin
 
 } // namespace
 
+json evenPhotographs(PhotographStage& photographs, const BuildOptions& options, StageStore& store) {
+    if (!options.evenColour) return nullptr;
+    ImportedImages all;
+    std::vector<std::string> keys;
+    for (const ScanPhotographs& some : photographs.ofScan) {
+        all.images.insert(all.images.end(), some.images.begin(), some.images.end());
+        keys.push_back(some.key);
+    }
+    if (all.images.empty()) return nullptr;
+    all.key = keyOf(keys);
+    const json report = evenImages(all, findOverlaps(all, options), options, store);
+    auto image = all.images.begin();
+    for (ScanPhotographs& some : photographs.ofScan) {
+        if (!some.key.empty()) some.key = keyOf({some.key, all.key});
+        for (scene::StoredImage& own : some.images)
+            own = *image++;
+    }
+    return report;
+}
+
 json evenImages(ImportedImages& imported, const Overlaps& overlaps, const BuildOptions& options, StageStore& store) {
     if (!options.evenColour) return nullptr;
     const scene::ColourEveningOptions o;

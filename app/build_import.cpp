@@ -101,12 +101,16 @@ json describeReading(const scene::ScanSource& scan) {
     return {describeConstants(scan.reading->believed), describeConstants(scan.reading->constants)};
 }
 
-scene::Scan readScan(const scene::ScanSource& source) {
-    scene::Scan scan =
-        source.format == scene::ScanFormat::e57 ? scene::readE57Scan(source) : scene::readPtxScan(source);
+void standWhereFound(scene::Scan& scan, const scene::ScanSource& source) {
     if (source.reading)
         readAnew(scan, scene::recordsOf(scan, source.reading->believed, source.name), source.reading->constants);
     if (source.registeredWorldFromScanner) scan.worldFromScanner = *source.registeredWorldFromScanner;
+}
+
+scene::Scan readScan(const scene::ScanSource& source) {
+    scene::Scan scan =
+        source.format == scene::ScanFormat::e57 ? scene::readE57Scan(source) : scene::readPtxScan(source);
+    standWhereFound(scan, source);
     return scan;
 }
 

@@ -52,7 +52,7 @@ ScanAtHand takeInHand(const scene::ScanSource& source) {
     hand.reflectance = scene::evenedReflectance(read);
     hand.scan = std::move(read.scan);
     hand.worldFromScannerInFile = hand.scan.worldFromScanner;
-    if (source.registeredWorldFromScanner) hand.scan.worldFromScanner = *source.registeredWorldFromScanner;
+    standWhereFound(hand.scan, source);
     hand.steps = scene::stepsOf(hand.scan, glm::dvec3(0));
     const double noise = scene::rangeNoiseOf(hand.scan);
     if (noise > 0) hand.planar.noiseMetres = noise;
@@ -157,6 +157,7 @@ std::string keyOfPhotographs(const scene::ScanSource& scan, std::span<const scen
                   fingerprintOf(scan.path),
                   scan.indexInFile,
                   scan.registeredWorldFromScanner ? scene::rowMajor(*scan.registeredWorldFromScanner) : json(),
+                  describeReading(scan),
                   list,
                   options.registration == "given",
                   {dropouts.radius, dropouts.sameSurface, dropouts.minSamples}});

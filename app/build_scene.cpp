@@ -55,7 +55,8 @@ void buildScene(const BuildOptions& options) {
 
     BuildReports reports;
     reports.registration = registerCapture(capture, options, store);
-    const PhotographStage photographs = layPhotographs(capture, options, store);
+    PhotographStage photographs = layPhotographs(capture, options, store);
+    reports.photographEvening = evenPhotographs(photographs, options, store);
     ImportedImages imported = capture.polygons.empty() ? importImages(capture, heldOut, photographs, options, store)
                                                        : capturePolygons(capture, options, store);
     const Overlaps overlaps = findOverlaps(imported, options);

@@ -30,7 +30,9 @@ struct PolygonFigures {
     std::int64_t trials = 0;           ///< sets of positions that the search weighed
 };
 
-/// A scan as its file has it, at the place where registration put it if it did.
+/// What calibration and registration found of a scan that was read from its file.
+void standWhereFound(scene::Scan& scan, const scene::ScanSource& source);
+/// A scan from its file, with what was found of it.
 scene::Scan readScan(const scene::ScanSource& source);
 /// What of its reading the keys of stages must know.
 nlohmann::json describeReading(const scene::ScanSource& scan);
@@ -88,6 +90,10 @@ KeepStage keepBest(const ImportedImages& imported, const Overlaps& overlaps, con
 nlohmann::json evenImages(ImportedImages& imported, const Overlaps& overlaps, const BuildOptions& options,
                           StageStore& store);
 
+/// The same of the photographs beside scans, before the scans' samples take their colours from them: what is mixed of
+/// uneven pictures no factor makes even.
+nlohmann::json evenPhotographs(PhotographStage& photographs, const BuildOptions& options, StageStore& store);
+
 /// refine, third part: fused and cut into tiles, a block of tiles and a file of final flags for each image.
 struct TileStage {
     std::vector<std::filesystem::path> blocks, flags;
@@ -107,7 +113,7 @@ void checkReplaceable(const std::filesystem::path& output);
 
 /// What stages have to say to scene.json and info; null where one did nothing.
 struct BuildReports {
-    nlohmann::json registration, evening;
+    nlohmann::json registration, evening, photographEvening;
 };
 
 /// The scene folder, under a temporary name until it is whole.

@@ -215,6 +215,7 @@ void writeScene(const std::filesystem::path& output, const scene::Capture& captu
                       {"polygons", describePolygons(imported.polygons, options)},
                       {"registration", reports.registration},
                       {"colour_evening", reports.evening},
+                      {"photograph_evening", reports.photographEvening},
                       {"photographs", imported.photographs},
                       {"coverage", !coverage.file.empty()},
                       {"figures",

@@ -194,6 +194,10 @@ void addPhotographs(CLI::App& cli, SampleScansOptions& scans, const std::string&
         ->check(CLI::Range(0, 1000))
         ->capture_default_str()
         ->group(group);
+    cli.add_option("--photograph-rings", scans.photographRings, "so many in each: also above the horizon, and below")
+        ->check(CLI::Range(1, 3))
+        ->capture_default_str()
+        ->group(group);
     cli.add_option_function<std::string>(
            "--photograph-size",
            [&scans](const std::string& text) {

@@ -110,9 +110,9 @@ class SampleScans {
         if (options_.format == "ptx")
             scene::writePtx(out / "scans.ptx", worldFromScanners_.size(), scanAt);
         else
-            scene::writeE57(out / "scans.e57", worldFromScanners_.size(), scanAt,
-                            {worldFromScanners_.size() * static_cast<std::size_t>(options_.photographs),
-                             [&](std::size_t i) { return photograph(i); }});
+            scene::writeE57(
+                out / "scans.e57", worldFromScanners_.size(), scanAt,
+                {worldFromScanners_.size() * photographsOfScan(), [&](std::size_t i) { return photograph(i); }});
         if (options_.photographs > 0) writeCameraFile(out / "camera.json", lens());
         writeTruth(out / "truth.json");
         return writtenPose(0) * inverse(worldFromScanners_[0]);
@@ -142,16 +142,26 @@ class SampleScans {
         scene::SimulatedCameraOptions camera;
     };
 
+    std::size_t photographsOfScan() const {
+        return static_cast<std::size_t>(options_.photographs) * static_cast<std::size_t>(options_.photographRings);
+    }
+
+    /// Degrees; the horizon's ring comes first.
+    double elevationOf(std::size_t number) const {
+        constexpr double kElevations[] = {0, 48, -40};
+        return kElevations[number / static_cast<std::size_t>(options_.photographs)];
+    }
+
     Shot shotAt(std::size_t i) const {
         scene::SeededSequence chance(scene::mixBits(seed_ + 1999u, i));
         Shot shot;
-        const auto perScan = static_cast<std::size_t>(options_.photographs);
+        const std::size_t perScan = photographsOfScan();
         const std::size_t number = i % perScan;
         shot.scan = i / perScan;
         shot.name = nameOf(shot.scan) + "-photo" + std::to_string(number + 1);
         const double turn = 2 * std::numbers::pi / options_.photographs;
         shot.scannerFromCamera = lookingTo(turn * (static_cast<double>(number) + 0.1 * chance.between(-1, 1)),
-                                           glm::radians(chance.between(-8, 2)));
+                                           glm::radians(elevationOf(number) + chance.between(-8, 2)));
         shot.writtenScannerFromCamera = shot.scannerFromCamera;
         shot.writtenScannerFromCamera.rotation =
             shot.scannerFromCamera.rotation *
@@ -175,7 +185,7 @@ class SampleScans {
 
     Json describePhotographs() const {
         Json photographs = Json::array();
-        for (std::size_t i = 0; i < worldFromScanners_.size() * static_cast<std::size_t>(options_.photographs); ++i) {
+        for (std::size_t i = 0; i < worldFromScanners_.size() * photographsOfScan(); ++i) {
             const Shot shot = shotAt(i);
             const glm::dvec3& balance = shot.camera.whiteBalance;
             photographs.push_back({{"name", shot.name},

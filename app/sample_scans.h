@@ -29,7 +29,8 @@ struct SampleScansOptions {
     double poseErrorDegrees = 0, poseErrorMetres = 0;
     bool withColour = true;
     std::string format = "e57"; ///< or ptx
-    int photographs = 0;        ///< of each scan, around the horizon; E57 alone can hold them
+    int photographs = 0;        ///< of each scan, in each ring; E57 alone can hold them
+    int photographRings = 1;    ///< around the horizon; two and three: below and above it, too
     int photographWidth = 960, photographHeight = 720;
     double photographDegrees = 65;     ///< across
     double photographErrorDegrees = 1; ///< their poses are written wrong by a turn of so much
