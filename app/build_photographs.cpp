@@ -3,15 +3,11 @@
 #include "app/build_stages.h"
 #include "app/progress.h"
 
-#include "scene/align/colour_to_range.h"
-#include "scene/align/reflectance.h"
 #include "scene/camera_json.h"
 #include "scene/depth_tiff.h"
 #include "scene/import/e57.h"
-#include "scene/import/ptx.h"
 #include "scene/import/scan_photos.h"
-#include "scene/import/straighten.h"
-#include "scene/project/planar_projection.h"
+#include "scene/project/photographs_on_scan.h"
 
 #include <algorithm>
 #include <cmath>
@@ -28,71 +24,10 @@ namespace {
 using nlohmann::json;
 
 /// Changed whenever what the stage computes changes, so that results of older versions are not taken for new ones.
-constexpr int kPhotographsVersion = 1;
+constexpr int kPhotographsVersion = 2;
 constexpr double kDegrees = 180 / std::numbers::pi;
-/// A photograph's pixels are no finer than this share of the scan's spacing: range between samples is interpolated, so
-/// that finer pixels cost four times as much for each halving and add colour alone.
-constexpr double kLeastPixelSpacings = 0.5;
-constexpr int kMostPixelsAcross = 4096;
 /// A turn within so many deviations is none: poses that are right stay what they are.
 constexpr double kSameDeviations = 3;
-
-/// A scan as its photographs need it.
-struct ScanAtHand {
-    scene::Scan scan;
-    std::vector<scene::Rgb8> reflectance; ///< evened, one for each point
-    scene::AngularSteps steps;
-    scene::Pose worldFromScannerInFile; ///< photographs' poses are beside this one
-    scene::PlanarOptions planar;
-};
-
-ScanAtHand takeInHand(const scene::ScanSource& source) {
-    ScanAtHand hand;
-    scene::ScanWithIntensity read = scene::readE57ScanWithIntensity(source);
-    hand.reflectance = scene::evenedReflectance(read);
-    hand.scan = std::move(read.scan);
-    hand.worldFromScannerInFile = hand.scan.worldFromScanner;
-    standWhereFound(hand.scan, source);
-    hand.steps = scene::stepsOf(hand.scan, glm::dvec3(0));
-    const double noise = scene::rangeNoiseOf(hand.scan);
-    if (noise > 0) hand.planar.noiseMetres = noise;
-    return hand;
-}
-
-/// The photograph's pinhole with pixels that its scan can fill.
-scene::Camera cameraFor(const scene::Camera& camera, const scene::AngularSteps& steps) {
-    const double finest = kLeastPixelSpacings * std::max(steps.horizontal, steps.vertical);
-    const double least = std::max(camera.width, camera.height) / static_cast<double>(kMostPixelsAcross);
-    const double scale = std::max({finest * std::min(camera.fx, camera.fy), least, 1.0});
-    const auto sizeOf = [&](int pixels) { return std::max(1, static_cast<int>(std::lround(pixels / scale))); };
-    return resized(camera, sizeOf(camera.width), sizeOf(camera.height));
-}
-
-scene::ColourFit fitOf(ScanAtHand& hand, const scene::Image<scene::Rgb8>& straight, const scene::Camera& camera,
-                       const scene::Pose& scannerFromGiven) {
-    const scene::ColourToRangeOptions options;
-    std::swap(hand.scan.colours, hand.reflectance);
-    scene::DepthImage seen = projectToCamera(hand.scan, hand.steps, inverse(scannerFromGiven),
-                                             widened(camera, options.reachRadians, 1 / camera.fx), hand.planar);
-    std::swap(hand.scan.colours, hand.reflectance);
-    fillDropouts(seen);
-    return findTurn(seen, straight, camera, options);
-}
-
-scene::DepthImage photographOf(const ScanAtHand& hand, const std::string& name, const scene::StraightPicture& straight,
-                               const scene::Camera& camera, const scene::Pose& scannerFromCamera,
-                               const scene::DropoutOptions& dropouts) {
-    scene::DepthImage image = projectToCamera(hand.scan, hand.steps, inverse(scannerFromCamera), camera, hand.planar);
-    image.name = name;
-    image.worldFromCamera = hand.scan.worldFromScanner * scannerFromCamera;
-    image.colour = straight.colour;
-    for (std::uint8_t& flags : image.flags.pixels())
-        flags = static_cast<std::uint8_t>(flags & ~scene::kNoColour);
-    fillDropouts(image, dropouts);
-    for (std::size_t i = 0; i < image.flags.size(); ++i)
-        if (!straight.isSeen.pixels()[i]) image.flags.pixels()[i] = scene::kNoSurface, image.disparity.pixels()[i] = 0;
-    return image;
-}
 
 /// What becomes of a photograph, in words.
 std::string verdictOf(const scene::ColourFit& fit, bool isMoved, bool isUsed) {
@@ -100,43 +35,61 @@ std::string verdictOf(const scene::ColourFit& fit, bool isMoved, bool isUsed) {
     return isUsed ? "not sure: kept as given" : "not sure: left out";
 }
 
-json layOne(ScanAtHand& hand, const scene::ScanPhoto& photo, const std::string& scanName, const BuildOptions& options,
-            const std::filesystem::path& folder) {
-    const scene::Image<scene::Rgb8> picture = readScanPhoto(photo);
-    const scene::Camera camera = cameraFor(photo.camera, hand.steps);
-    const scene::StraightPicture straight = straightened(picture, {photo.camera, photo.distortion}, camera);
-    const scene::Pose scannerFromGiven = inverse(hand.worldFromScannerInFile) * photo.worldFromCamera;
-    const scene::ColourFit fit = fitOf(hand, straight.colour, camera, scannerFromGiven);
+/// Writes the 3D photograph, if it is used, and says what became of it.
+json write(const scene::PhotographForScan& photograph, const scene::ColourFit& fit, const std::string& name,
+           const scene::ScanForPhotographs& scan, const BuildOptions& options, const std::filesystem::path& folder) {
+    const scene::Pose& worldFromScanner = scan.scan.worldFromScanner;
     const bool isMoved = fit.isSure && fit.turnedRadians > kSameDeviations * fit.deviationRadians;
-    const bool isUsed = fit.isSure || options.registration == "given";
-    scene::Pose scannerFromCamera = scannerFromGiven;
+    bool isUsed = fit.isSure || options.registration == "given";
+    std::string verdict = verdictOf(fit, isMoved, isUsed);
+    scene::Pose scannerFromCamera = photograph.scannerFromGiven;
     if (isMoved) scannerFromCamera.rotation = scannerFromCamera.rotation * fit.givenFromFound;
     std::int64_t samples = 0;
     if (isUsed) {
-        const scene::DepthImage image =
-            photographOf(hand, photo.name, straight, camera, scannerFromCamera, options.dropouts);
-        for (const std::uint8_t flags : image.flags.pixels())
-            samples += scene::isSurface(flags);
-        if (samples > 0) writeDepthTiff(image, folder / (photo.name + ".tiff"));
+        scene::DepthImage image = withRange(scan, photograph, scannerFromCamera, options.dropouts);
+        samples = std::count_if(image.flags.pixels().begin(), image.flags.pixels().end(),
+                                [](std::uint8_t flags) { return scene::isSurface(flags); });
+        isUsed = samples > 0;
+        if (!isUsed) verdict = "sees nothing of its scan: left out";
+        image.name = name;
+        image.worldFromCamera = worldFromScanner * scannerFromCamera;
+        if (isUsed) writeDepthTiff(image, folder / (name + ".tiff"));
     }
-    return {
-        {"name", photo.name},
-        {"scan", scanName},
-        {"verdict", samples == 0 && isUsed ? "sees nothing of its scan: left out" : verdictOf(fit, isMoved, isUsed)},
-        {"used", samples > 0},
-        {"sure", fit.isSure},
-        {"why", fit.why},
-        {"turned_deg", fit.turnedRadians * kDegrees},
-        {"deviation_deg", fit.deviationRadians * kDegrees},
-        {"score", fit.score},
-        {"rival_share", fit.rivalShare},
-        {"agreeing", fit.agreeing},
-        {"parts", fit.parts},
-        {"width", camera.width},
-        {"height", camera.height},
-        {"samples", samples},
-        {"world_from_camera", scene::rowMajor(hand.scan.worldFromScanner * scannerFromCamera)},
-        {"given_world_from_camera", scene::rowMajor(hand.scan.worldFromScanner * scannerFromGiven)}};
+    return {{"name", name},
+            {"scan", scan.scan.name},
+            {"verdict", verdict},
+            {"used", isUsed},
+            {"sure", fit.isSure},
+            {"why", fit.why},
+            {"turned_deg", fit.turnedRadians * kDegrees},
+            {"deviation_deg", fit.deviationRadians * kDegrees},
+            {"score", fit.score},
+            {"rival_share", fit.rivalShare},
+            {"agreeing", fit.agreeing},
+            {"parts", fit.parts},
+            {"neighbours", fit.neighbours},
+            {"samples", samples},
+            {"world_from_camera", scene::rowMajor(worldFromScanner * scannerFromCamera)},
+            {"given_world_from_camera", scene::rowMajor(worldFromScanner * photograph.scannerFromGiven)}};
+}
+
+/// One scan at a time: the points of a single one may fill the memory.
+json layOnTheirScan(const scene::ScanSource& source, std::span<const scene::ScanPhoto> photos,
+                    const BuildOptions& options, Progress& progress, const std::filesystem::path& folder) {
+    scene::ScanWithIntensity read = scene::readE57ScanWithIntensity(source);
+    // Photographs' poses stand beside the pose that the file gives the scan.
+    const scene::Pose scannerFromWorldInFile = inverse(read.scan.worldFromScanner);
+    standWhereFound(read.scan, source);
+    scene::ScanForPhotographs scan = scene::forPhotographs(std::move(read));
+    std::vector<scene::PhotographForScan> photographs;
+    for (const scene::ScanPhoto& photo : photos)
+        photographs.push_back(forScan(readScanPhoto(photo), {photo.camera, photo.distortion},
+                                      scannerFromWorldInFile * photo.worldFromCamera, scan));
+    const std::vector<scene::ColourFit> fits = layOnScan(scan, photographs, [&] { progress.advance(); });
+    json report = json::array();
+    for (std::size_t i = 0; i < photos.size(); ++i)
+        report.push_back(write(photographs[i], fits[i], photos[i].name, scan, options, folder));
+    return report;
 }
 
 std::string keyOfPhotographs(const scene::ScanSource& scan, std::span<const scene::ScanPhoto> photos,
@@ -194,13 +147,7 @@ PhotographStage layPhotographs(scene::Capture& capture, const BuildOptions& opti
         ScanPhotographs& of = stage.ofScan[s];
         of.key = keyOfPhotographs(source, photos, options);
         const std::filesystem::path folder = store.find("photographs", of.key, [&](const std::filesystem::path& part) {
-            // One scan at a time: the points of a single one may fill the memory.
-            ScanAtHand hand = takeInHand(source);
-            json report = json::array();
-            for (const scene::ScanPhoto& photo : photos) {
-                report.push_back(layOne(hand, photo, source.name, options, part));
-                progress.advance();
-            }
+            const json report = layOnTheirScan(source, photos, options, progress, part);
             writeWhole(part / "photographs.json", report.dump());
         });
         for (const json& photo : readJson(folder / "photographs.json")) {

@@ -22,24 +22,30 @@
 namespace scene {
 
 struct ColourToRangeOptions {
-    double reachRadians = 0.0628;       ///< turns up to this are tried: 3 degrees and a fifth more
-    double mostRivalShare = 0.8;        ///< of the best's score, that the best other turn may have
-    double leastAgreeing = 0.6;         ///< share of the picture's parts that must like the turn
-    int leastParts = 5;                 ///< so many parts must have edges to say something
-    double mostDeviationRadians = 7e-4; ///< 0.04 degrees
+    double reachRadians = 0.0628;    ///< turns up to this are tried: 3 degrees and a fifth more
+    double mostRivalShare = 0.8;     ///< of the best's score, that the best other turn may have
+    double leastScore = 1.5;         ///< of the best, see TurnFound
+    double leastAgreeing = 0.6;      ///< share of the picture's parts that must like the turn;
+    double leastAgreeingAlone = 0.3; ///< the same where no other turn scores more than mostRivalShareAlone
+    double mostRivalShareAlone = 0.55;
+    int leastParts = 5;                  ///< so many parts must have edges to say something
+    double mostDeviationRadians = 0.001; ///< an edge of a scan lies anywhere between two samples: half of their spacing
 };
 
 /// What was found of one photograph.
 struct ColourFit {
     glm::dmat3 givenFromFound{1.0}; ///< carries directions of the camera as found into the camera as given
     double turnedRadians = 0;       ///< the angle of that rotation
-    double deviationRadians = 0;    ///< of the turn: one standard deviation of its angle, all three axes together
+    glm::dmat3 covariance{0.0};     ///< of a further turn, about the axes of the camera as found; radians squared
+    double deviationRadians = 0;    ///< one standard deviation, all three axes together
     double score = 0;               ///< of the best turn; in standard deviations of the scan's edges
     double rivalShare = 1;          ///< the best other turn's score over that
     double agreeing = 0;            ///< share of the picture's parts that like the turn better than others about it
     int parts = 0;                  ///< of the picture that have edges
-    bool isSure = false;
-    std::string why; ///< of a fit that is not: half a sentence
+    int neighbours = 0;             ///< photographs of the same scan that it was laid on, too (align/joint_turns.h)
+    bool isFound = false;           ///< no chance: it is this turn and no other, exactly known or not
+    bool isSure = false;            ///< found, and known as exactly as asked
+    std::string why;                ///< of a fit that is not: half a sentence
 };
 
 /// scan: what the scan sees from the camera's place with the camera turned as given, grey for reflectance, wider than
@@ -48,11 +54,15 @@ struct ColourFit {
 ColourFit findTurn(const DepthImage& scan, const Image<Rgb8>& photograph, const Camera& camera,
                    const ColourToRangeOptions& options = {});
 
+/// Whether what was found is believed: isFound, isSure and why.
+void judge(ColourFit& fit, const ColourToRangeOptions& options);
+
 /// A camera whose picture holds what the other one sees if it is turned by up to the reach in any direction, with
 /// pixels of this size in its middle.
 Camera widened(const Camera& camera, double reachRadians, double pixelRadians);
 
-/// The rotation about an axis by its length, radians.
-glm::dmat3 rotationOf(const glm::dvec3& turn);
+/// Levels of blur for a search: broadest about half a degree, each half of the one before, the last about a pixel.
+/// fineEdges: what the last two are made of.
+std::vector<EdgeLevel> edgeLevels(const EdgeImage& edges, const EdgeImage& fineEdges, double pixelRadians);
 
 } // namespace scene

@@ -12,11 +12,14 @@ namespace {
 
 constexpr float kDiffusionStep = 0.2f, kDiffusionContrast = 0.03f; ///< contrast: of the full range of a channel
 constexpr int kDiffusionSteps = 12;
-constexpr double kPhotographSigma = 0.8, kRangeSigma = 1.0, kReflectanceSigma = 1.0, kCreaseSigma = 1.6; ///< pixels
+constexpr double kPhotographSigma = 0.8, kRangeSigma = 1.0, kReflectanceSigma = 1.0, kCreaseSigma = 1.6,
+                 kTextureSigma = 1.5; ///< pixels
 constexpr int kSurface = 9,
               kAbout = 13; ///< pixels across: of what is no edge but a surface; of the disparity to compare with
-constexpr float kTimesUsual = 3.0f;      ///< so many times the usual slope an edge counts half
-constexpr float kLeastColourStep = 3;    ///< a pixel, of 255
+constexpr int kRim = 9;    ///< pixels across: of what is left out where range ends in nothing
+constexpr float kTimesUsual = 2.2f;   ///< so many times the usual slope an edge counts half
+constexpr float kLeastColourStep = 3; ///< a pixel, of 255
+constexpr float kLeastTextureStep = 0.3f;
 constexpr float kLeastGreyStep = 3;      ///< the same of evened reflectance
 constexpr float kLeastRangeStep = 8e-3f; ///< of disparity, relative, a pixel
 constexpr float kLeastBend = 2e-3f;      ///< second difference, relative
@@ -26,6 +29,14 @@ cv::Mat3f matOf(const EdgeImage& image) {
     // OpenCV has no pictures that are lent for reading alone; nothing writes to this one.
     return {image.height(), image.width(),
             const_cast<cv::Vec3f*>(reinterpret_cast<const cv::Vec3f*>(image.pixels().data()))};
+}
+
+cv::Mat3b matOf(const Image<Rgb8>& image) {
+    cv::Mat3b mat(image.height(), image.width());
+    for (int y = 0; y < mat.rows; ++y)
+        for (int x = 0; x < mat.cols; ++x)
+            mat(y, x) = {image(x, y).r, image(x, y).g, image(x, y).b};
+    return mat;
 }
 
 EdgeImage imageOf(const cv::Mat3f& mat) {
@@ -152,15 +163,20 @@ cv::Mat3f rangeEdges(const cv::Mat1f& disparity) {
 } // namespace
 
 EdgeImage photographEdges(const Image<Rgb8>& photograph) {
-    cv::Mat3b picture(photograph.height(), photograph.width()), diffused;
-    for (int y = 0; y < picture.rows; ++y)
-        for (int x = 0; x < picture.cols; ++x)
-            picture(y, x) = {photograph(x, y).r, photograph(x, y).g, photograph(x, y).b};
-    cv::ximgproc::anisotropicDiffusion(picture, diffused, kDiffusionStep, kDiffusionContrast, kDiffusionSteps);
+    cv::Mat3b diffused;
+    cv::ximgproc::anisotropicDiffusion(matOf(photograph), diffused, kDiffusionStep, kDiffusionContrast,
+                                       kDiffusionSteps);
     cv::Mat numbers;
     diffused.convertTo(numbers, CV_32F);
     cv::GaussianBlur(numbers, numbers, {}, kPhotographSigma);
     return imageOf(edgesOf(slopesOf(numbers), kLeastColourStep));
+}
+
+EdgeImage textureEdges(const Image<Rgb8>& photograph) {
+    cv::Mat numbers;
+    matOf(photograph).convertTo(numbers, CV_32F);
+    cv::GaussianBlur(numbers, numbers, {}, kTextureSigma);
+    return imageOf(edgesOf(slopesOf(numbers), kLeastTextureStep));
 }
 
 EdgeImage scanEdges(const DepthImage& scan) {
@@ -183,6 +199,19 @@ EdgeImage scanEdges(const DepthImage& scan) {
     cv::Mat3f edges = edgesOf(slopesOf(grey), kLeastGreyStep, inside);
     edges += rangeEdges(disparity);
     return imageOf(edges);
+}
+
+EdgeImage withoutOpenRims(const EdgeImage& edges, const DepthImage& scan) {
+    cv::Mat1b isOpen(edges.height(), edges.width()), near;
+    for (int y = 0; y < isOpen.rows; ++y)
+        for (int x = 0; x < isOpen.cols; ++x)
+            isOpen(y, x) = isSurface(scan.flags(x, y)) ? 0 : 255;
+    cv::dilate(isOpen, near, cv::Mat::ones(kRim, kRim, CV_8U));
+    EdgeImage inside = edges;
+    for (int y = 0; y < isOpen.rows; ++y)
+        for (int x = 0; x < isOpen.cols; ++x)
+            if (near(y, x)) inside(x, y) = glm::vec3(0);
+    return inside;
 }
 
 EdgeLevel blurredEdges(const EdgeImage& edges, double sigmaPixels) {

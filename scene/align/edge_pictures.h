@@ -23,9 +23,16 @@ using EdgeImage = Image<glm::vec3>;
 /// slopes.
 EdgeImage photographEdges(const Image<Rgb8>& photograph);
 
+/// Its texture, too, down to the sensor's noise: for other photographs from the same place, which see the same.
+EdgeImage textureEdges(const Image<Rgb8>& photograph);
+
 /// Silhouettes and creases of range, where disparity has a second difference (a plane has none), and edges of
 /// reflectance (the colours of scan, grey). What gave no range counts as infinitely far.
 EdgeImage scanEdges(const DepthImage& scan);
+
+/// The same without those beside which the scan has no range: a sample that a part of the beam came back from is one as
+/// well, so that surfaces reach beyond themselves there, by what nobody knows.
+EdgeImage withoutOpenRims(const EdgeImage& edges, const DepthImage& scan);
 
 /// The picture blurred by a Gaussian less what a much broader one leaves, in units of its own standard deviation; one
 /// pixel for every so many.

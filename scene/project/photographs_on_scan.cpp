@@ -1,0 +1,79 @@
+#include "scene/project/photographs_on_scan.h"
+
+#include "scene/align/reflectance.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace scene {
+
+namespace {
+
+constexpr double kLeastPixelSpacings = 0.5;
+constexpr int kMostPixelsAcross = 4096;
+/// Edges of a scan lie anywhere between two samples; one that is known to this share of their spacing is known as well
+/// as the scan can tell.
+constexpr double kMostDeviationSpacings = 0.4;
+constexpr double kLeastDeviationRadians = 7e-4; ///< 0.04 degrees: what is asked of the densest scans
+
+} // namespace
+
+ScanForPhotographs forPhotographs(ScanWithIntensity from) {
+    ScanForPhotographs scan;
+    scan.reflectance = evenedReflectance(from);
+    scan.scan = std::move(from.scan);
+    scan.steps = stepsOf(scan.scan, glm::dvec3(0));
+    const double noise = rangeNoiseOf(scan.scan);
+    if (noise > 0) scan.planar.noiseMetres = noise;
+    return scan;
+}
+
+PhotographForScan forScan(const Image<Rgb8>& picture, const CameraFile& lens, const Pose& scannerFromGiven,
+                          const ScanForPhotographs& scan) {
+    const Camera& camera = lens.camera;
+    const double least = std::max(camera.width, camera.height) / static_cast<double>(kMostPixelsAcross);
+    const double scale =
+        std::max({kLeastPixelSpacings * scan.spacingRadians() * std::min(camera.fx, camera.fy), least, 1.0});
+    const auto sizeOf = [&](int pixels) { return std::max(1, static_cast<int>(std::lround(pixels / scale))); };
+    const Camera pinhole = resized(camera, sizeOf(camera.width), sizeOf(camera.height));
+    return {straightened(picture, lens, pinhole), pinhole, scannerFromGiven};
+}
+
+std::vector<ColourFit> layOnScan(ScanForPhotographs& scan, std::span<const PhotographForScan> photographs,
+                                 const std::function<void()>& progress) {
+    ColourToRangeOptions options;
+    options.mostDeviationRadians = std::max(kLeastDeviationRadians, kMostDeviationSpacings * scan.spacingRadians());
+    std::vector<ColourFit> fits;
+    std::vector<PhotographOnScan> all;
+    std::swap(scan.scan.colours, scan.reflectance);
+    for (const PhotographForScan& photograph : photographs) {
+        const Camera wide = widened(photograph.camera, options.reachRadians, 1 / photograph.camera.fx);
+        DepthImage seen =
+            projectToCamera(scan.scan, scan.steps, inverse(photograph.scannerFromGiven), wide, scan.planar);
+        fillDropouts(seen);
+        fits.push_back(findTurn(seen, photograph.straight.colour, photograph.camera, options));
+        all.push_back({&photograph.straight.colour, photograph.camera, photograph.scannerFromGiven});
+        if (progress) progress();
+    }
+    std::swap(scan.scan.colours, scan.reflectance);
+    joinTurns(all, fits, options);
+    return fits;
+}
+
+DepthImage withRange(const ScanForPhotographs& scan, const PhotographForScan& photograph, const Pose& scannerFromCamera,
+                     const DropoutOptions& dropouts) {
+    DepthImage image =
+        projectToCamera(scan.scan, scan.steps, inverse(scannerFromCamera), photograph.camera, scan.planar);
+    image.worldFromCamera = scannerFromCamera;
+    image.colour = photograph.straight.colour;
+    for (std::uint8_t& flags : image.flags.pixels())
+        flags = static_cast<std::uint8_t>(flags & ~kNoColour);
+    fillDropouts(image, dropouts);
+    for (std::size_t i = 0; i < image.flags.size(); ++i)
+        if (!photograph.straight.isSeen.pixels()[i])
+            image.flags.pixels()[i] = kNoSurface, image.disparity.pixels()[i] = 0;
+    return image;
+}
+
+} // namespace scene

@@ -1,0 +1,48 @@
+#pragma once
+// The photographs of one scan: found how they are turned against it, and given its range. Nyland et al. 1999, sections
+// 4.2 and 4.3: 3D photographs.
+
+#include "scene/align/joint_turns.h"
+#include "scene/import/straighten.h"
+#include "scene/project/dropouts.h"
+#include "scene/project/planar_projection.h"
+
+#include <functional>
+
+namespace scene {
+
+/// A scan as its photographs need it.
+struct ScanForPhotographs {
+    Scan scan;
+    std::vector<Rgb8> reflectance; ///< evened (align/reflectance.h), one for each point
+    AngularSteps steps;
+    PlanarOptions planar; ///< with the noise that the scan shows
+
+    double spacingRadians() const { return std::max(steps.horizontal, steps.vertical); }
+};
+
+ScanForPhotographs forPhotographs(ScanWithIntensity scan);
+
+/// A photograph as it lies on its scan: without distortion, no finer than the scan can fill.
+struct PhotographForScan {
+    StraightPicture straight;
+    Camera camera;
+    Pose scannerFromGiven;
+};
+
+/// A photograph's pixels are no finer than half of the scan's spacing: range between samples is interpolated, so that
+/// finer pixels would cost four times as much for each halving and add colour alone.
+PhotographForScan forScan(const Image<Rgb8>& picture, const CameraFile& lens, const Pose& scannerFromGiven,
+                          const ScanForPhotographs& scan);
+
+/// How all photographs of a scan are turned, one fit for each. progress is called when one has been laid on the scan.
+/// The scan's own colours are not looked at. The same on any number of threads.
+std::vector<ColourFit> layOnScan(ScanForPhotographs& scan, std::span<const PhotographForScan> photographs,
+                                 const std::function<void()>& progress = {});
+
+/// The photograph with the range of the scan, in the scanner's frame: worldFromCamera is scannerFromCamera. Where the
+/// photograph's lens does not reach there is no surface.
+DepthImage withRange(const ScanForPhotographs& scan, const PhotographForScan& photograph, const Pose& scannerFromCamera,
+                     const DropoutOptions& dropouts = {});
+
+} // namespace scene
