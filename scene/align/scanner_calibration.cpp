@@ -18,8 +18,9 @@ namespace {
 constexpr double kGateMetres = 0.03, kGateShare = 0.02;
 constexpr double kGateDeviations = 4; ///< once constants are about right
 constexpr double kRobustDeviations = 2.0;
-constexpr int kLeastSamples = 200; ///< of a plane and face: fewer say nothing that noise does not
-constexpr double kLeastArea = 0.3; ///< square metres; small things are seldom as plane as they look
+constexpr int kLeastSamples = 200;                   ///< of a plane and face: fewer say nothing that noise does not
+constexpr double kLeastArea = 0.3;                   ///< square metres; small things are seldom as plane as they look
+constexpr double kUsualNoise = 0.006, kMostMore = 6; ///< metres; times the samples of usual scans
 constexpr int kConstants = 4;
 
 using Numbers = std::array<double, kConstants>;
@@ -113,7 +114,14 @@ void addSightings(const Scan& scan, const ScanRecords& records, bool isFirstPass
             seen[k][1].size() >= kLeastSamples && planes[k].offset < -0.05)
             both.push_back(k);
     if (both.empty()) return;
-    const std::size_t mostOfFace = std::max<std::size_t>(most / (2 * both.size()), kLeastSamples);
+    // Noise falls as the root of what is taken: of a noisier scan, more.
+    std::vector<double> noises;
+    for (const std::size_t k : both)
+        noises.push_back(planes[k].noiseMetres);
+    std::nth_element(noises.begin(), noises.begin() + std::ssize(noises) / 2, noises.end());
+    const double more = std::clamp(std::pow(noises[noises.size() / 2] / kUsualNoise, 2), 1.0, kMostMore);
+    const std::size_t mostOfFace = std::max<std::size_t>(
+        static_cast<std::size_t>(more * static_cast<double>(most)) / (2 * both.size()), kLeastSamples);
     for (const std::size_t k : both) {
         const glm::dvec3 w = planes[k].normal / planes[k].offset;
         for (const std::vector<std::size_t>& samples : seen[k]) {
