@@ -3,6 +3,8 @@
 #include "app/build_stages.h"
 #include "app/progress.h"
 
+#include "scene/align/scanner_file.h"
+#include "scene/align/scanner_records.h"
 #include "scene/depth_tiff.h"
 #include "scene/errors.h"
 #include "scene/import/e57.h"
@@ -55,6 +57,7 @@ std::string keyOfScan(const scene::ScanSource& scan, const ScanPhotographs& phot
                   scan.indexInFile,
                   scan.byteInFile,
                   scan.registeredWorldFromScanner ? describe(*scan.registeredWorldFromScanner) : json(),
+                  describeReading(scan),
                   photographs.key,
                   {faces.maxFaceSize, faces.sameSurface, faces.maxLayers}});
 }
@@ -93,10 +96,21 @@ scene::StoredImage storedImage(const std::filesystem::path& file) {
 
 } // namespace
 
+json describeReading(const scene::ScanSource& scan) {
+    if (!scan.reading) return nullptr;
+    return {describeConstants(scan.reading->believed), describeConstants(scan.reading->constants)};
+}
+
+void standWhereFound(scene::Scan& scan, const scene::ScanSource& source) {
+    if (source.reading)
+        readAnew(scan, scene::recordsOf(scan, source.reading->believed, source.name), source.reading->constants);
+    if (source.registeredWorldFromScanner) scan.worldFromScanner = *source.registeredWorldFromScanner;
+}
+
 scene::Scan readScan(const scene::ScanSource& source) {
     scene::Scan scan =
         source.format == scene::ScanFormat::e57 ? scene::readE57Scan(source) : scene::readPtxScan(source);
-    if (source.registeredWorldFromScanner) scan.worldFromScanner = *source.registeredWorldFromScanner;
+    standWhereFound(scan, source);
     return scan;
 }
 

@@ -24,7 +24,7 @@ namespace {
 using nlohmann::json;
 
 /// Changed whenever what the stage computes changes, so that results of older versions are not taken for new ones.
-constexpr int kPhotographsVersion = 1;
+constexpr int kPhotographsVersion = 3;
 constexpr double kDegrees = 180 / std::numbers::pi;
 /// A turn within so many deviations is none: poses that are right stay what they are.
 constexpr double kSameDeviations = 3;
@@ -79,7 +79,7 @@ json layOnTheirScan(const scene::ScanSource& source, std::span<const scene::Scan
     scene::ScanWithIntensity read = scene::readE57ScanWithIntensity(source);
     // Photographs' poses stand beside the pose that the file gives the scan.
     const scene::Pose scannerFromWorldInFile = inverse(read.scan.worldFromScanner);
-    if (source.registeredWorldFromScanner) read.scan.worldFromScanner = *source.registeredWorldFromScanner;
+    standWhereFound(read.scan, source);
     scene::ScanForPhotographs scan = scene::forPhotographs(std::move(read));
     std::vector<scene::PhotographForScan> photographs;
     for (const scene::ScanPhoto& photo : photos)
@@ -110,6 +110,7 @@ std::string keyOfPhotographs(const scene::ScanSource& scan, std::span<const scen
                   fingerprintOf(scan.path),
                   scan.indexInFile,
                   scan.registeredWorldFromScanner ? scene::rowMajor(*scan.registeredWorldFromScanner) : json(),
+                  describeReading(scan),
                   list,
                   options.registration == "given",
                   {dropouts.radius, dropouts.sameSurface, dropouts.minSamples}});

@@ -73,7 +73,8 @@ std::string keyOfRegistration(const scene::Capture& capture, const std::string& 
                               const scene::RegistrationOptions& options) {
     json scans = json::array();
     for (const scene::ScanSource& scan : capture.scans)
-        scans.push_back({scan.name, fingerprintOf(scan.path), scan.indexInFile, scan.byteInFile});
+        scans.push_back(
+            {scan.name, fingerprintOf(scan.path), scan.indexInFile, scan.byteInFile, describeReading(scan)});
     const scene::PairOptions& pair = options.pair;
     return keyOf({kRegisterVersion,
                   scans,

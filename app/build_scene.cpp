@@ -3,6 +3,7 @@
 #include "app/build_stages.h"
 #include "app/progress.h"
 
+#include "scene/align/scanner_file.h"
 #include "scene/errors.h"
 #include "scene/import/importer.h"
 #include "scene/import/scan_photos.h"
@@ -21,6 +22,8 @@ void checkWishes(const BuildOptions& options, const scene::Capture& capture) {
                              "leave it out, or ask for --positions auto");
     if (options.registration != "given" && capture.scans.empty())
         throw scene::Failure("registers laser scans, and there are none", std::string("--register"), "leave it out");
+    if (!options.scanner.empty() && capture.scans.empty())
+        throw scene::Failure("is for laser scans, and there are none", std::string("--scanner"), "leave it out");
     if (!capture.polygons.empty() && !options.holdOut.empty())
         throw scene::Failure("keeps photographs out, and polygons have none", std::string("--hold-out"),
                              "leave it out");
@@ -31,6 +34,11 @@ void checkWishes(const BuildOptions& options, const scene::Capture& capture) {
 void buildScene(const BuildOptions& options) {
     scene::Capture capture = scene::openCapture(options.inputs);
     checkWishes(options, capture);
+    if (!options.scanner.empty()) {
+        const scene::ScannerReading reading = scene::readScannerFile(options.scanner);
+        for (scene::ScanSource& scan : capture.scans)
+            scan.reading = reading;
+    }
     if (!options.camera.empty()) useCameraFile(capture, options.camera);
     const std::vector<std::size_t> heldOut = scene::findHeldOut(capture, options.holdOut);
     if (capture.polygons.empty() && capture.scans.empty() && heldOut.size() == capture.photos.size())
@@ -45,17 +53,19 @@ void buildScene(const BuildOptions& options) {
     work += ".build";
     StageStore store(work);
 
-    const nlohmann::json registration = registerCapture(capture, options, store);
-    const PhotographStage photographs = layPhotographs(capture, options, store);
-    const ImportedImages imported = capture.polygons.empty()
-                                        ? importImages(capture, heldOut, photographs, options, store)
-                                        : capturePolygons(capture, options, store);
+    BuildReports reports;
+    reports.registration = registerCapture(capture, options, store);
+    PhotographStage photographs = layPhotographs(capture, options, store);
+    reports.photographEvening = evenPhotographs(photographs, options, store);
+    ImportedImages imported = capture.polygons.empty() ? importImages(capture, heldOut, photographs, options, store)
+                                                       : capturePolygons(capture, options, store);
     const Overlaps overlaps = findOverlaps(imported, options);
+    reports.evening = evenImages(imported, overlaps, options, store);
     const SkinStage skins = markSkins(imported, overlaps, options, store);
     const KeepStage kept = keepBest(imported, overlaps, skins, options, store);
     const TileStage tiles = fuseAndCut(imported, overlaps, skins, kept, options, store);
     const CoverageStage coverage = coverSpace(skins, options, store);
-    writeScene(output, capture, heldOut, imported, overlaps, skins, kept, tiles, coverage, registration, options);
+    writeScene(output, capture, heldOut, imported, overlaps, skins, kept, tiles, coverage, reports, options);
 }
 
 } // namespace app

@@ -26,6 +26,7 @@ struct BuildOptions {
     std::string holdOut;                  ///< every:N:FIRST, a file of names, or empty
     std::size_t memoryBytes = 8ull << 30; ///< pixels held at a time
     std::string registration = "given";   ///< where scans stand: given, auto, or a file of matches
+    std::filesystem::path scanner;        ///< file of a calibrated scanner, or empty
     std::filesystem::path camera;         ///< of the photographs in E57 files, with its lens; empty: as the file says
     bool cull = true;                     ///< false: every sample is kept
     bool fuse = true;                     ///< false: kept samples stay as they were captured
@@ -40,6 +41,7 @@ struct BuildOptions {
     scene::SkinOptions skins;
     scene::RedundancyOptions redundancy;
     scene::FusionOptions fusion;
+    bool evenColour = false; ///< true: exposure and white balance of overlapping images are made even
     bool findUnseen = false; ///< true: coverage is built, and what no image observed is shown as unseen
     scene::CoverOptions coverage;
     scene::PyramidOptions pyramid;

@@ -30,8 +30,12 @@ struct PolygonFigures {
     std::int64_t trials = 0;           ///< sets of positions that the search weighed
 };
 
-/// A scan as its file has it, at the place where registration put it if it did.
+/// What calibration and registration found of a scan that was read from its file.
+void standWhereFound(scene::Scan& scan, const scene::ScanSource& source);
+/// A scan from its file, with what was found of it.
 scene::Scan readScan(const scene::ScanSource& source);
+/// What of its reading the keys of stages must know.
+nlohmann::json describeReading(const scene::ScanSource& scan);
 
 /// align: where scans stand, as BuildOptions::registration asks; puts what it finds into the capture's scans, and what
 /// there is to say into its remarks. Returns the report that scene.json and info have; null where nothing was done.
@@ -80,6 +84,16 @@ struct KeepStage {
 KeepStage keepBest(const ImportedImages& imported, const Overlaps& overlaps, const SkinStage& skins,
                    const BuildOptions& options, StageStore& store);
 
+/// refine, before its first part, where asked for: images' exposure and white balance made even. Puts the changed
+/// images in place of the imported ones. Returns the report that scene.json and info have; null where nothing was
+/// asked.
+nlohmann::json evenImages(ImportedImages& imported, const Overlaps& overlaps, const BuildOptions& options,
+                          StageStore& store);
+
+/// The same of the photographs beside scans, before the scans' samples take their colours from them: what is mixed of
+/// uneven pictures no factor makes even.
+nlohmann::json evenPhotographs(PhotographStage& photographs, const BuildOptions& options, StageStore& store);
+
 /// refine, third part: fused and cut into tiles, a block of tiles and a file of final flags for each image.
 struct TileStage {
     std::vector<std::filesystem::path> blocks, flags;
@@ -97,10 +111,15 @@ CoverageStage coverSpace(const SkinStage& skins, const BuildOptions& options, St
 /// What stands under the scene's name already must be a scene, or nothing. Throws scene::Failure.
 void checkReplaceable(const std::filesystem::path& output);
 
+/// What stages have to say to scene.json and info; null where one did nothing.
+struct BuildReports {
+    nlohmann::json registration, evening, photographEvening;
+};
+
 /// The scene folder, under a temporary name until it is whole.
 void writeScene(const std::filesystem::path& output, const scene::Capture& capture,
                 const std::vector<std::size_t>& heldOut, const ImportedImages& imported, const Overlaps& overlaps,
                 const SkinStage& skins, const KeepStage& kept, const TileStage& tiles, const CoverageStage& coverage,
-                const nlohmann::json& registration, const BuildOptions& options);
+                const BuildReports& reports, const BuildOptions& options);
 
 } // namespace app

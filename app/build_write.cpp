@@ -31,6 +31,8 @@ using nlohmann::json;
 json describeOptions(const BuildOptions& o) {
     return {{"hold_out", o.holdOut},
             {"register", o.registration},
+            {"scanner", o.scanner.string()},
+            {"colour_even", o.evenColour},
             {"camera", o.camera.string()},
             {"cull", o.cull},
             {"fuse", o.fuse},
@@ -170,7 +172,7 @@ void checkReplaceable(const std::filesystem::path& output) {
 void writeScene(const std::filesystem::path& output, const scene::Capture& capture,
                 const std::vector<std::size_t>& heldOut, const ImportedImages& imported, const Overlaps& overlaps,
                 const SkinStage& skins, const KeepStage& kept, const TileStage& tiles, const CoverageStage& coverage,
-                const json& registration, const BuildOptions& options) {
+                const BuildReports& reports, const BuildOptions& options) {
     std::filesystem::path part = output;
     part += ".part";
     std::error_code ignored;
@@ -211,7 +213,9 @@ void writeScene(const std::filesystem::path& output, const scene::Capture& captu
                       {"whole_images", !options.cull},
                       {"walk_from_world", scene::rowMajor({})},
                       {"polygons", describePolygons(imported.polygons, options)},
-                      {"registration", registration},
+                      {"registration", reports.registration},
+                      {"colour_evening", reports.evening},
+                      {"photograph_evening", reports.photographEvening},
                       {"photographs", imported.photographs},
                       {"coverage", !coverage.file.empty()},
                       {"figures",

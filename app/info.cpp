@@ -29,6 +29,23 @@ std::string shareText(double part, double whole) {
     return text;
 }
 
+/// What was done to colours.
+void printEvening(const char* of, const json& evening) {
+    if (evening.is_null()) return;
+    const double before = evening.at("seam_before"), after = evening.at("seam_after");
+    if (evening.at("changed") == 0) {
+        std::printf("  %-10s even as captured: they differ by %s across %lld overlaps\n", of,
+                    shareText(before, 1).c_str(), evening.at("pairs").get<long long>());
+        return;
+    }
+    std::printf("  %-10s made even: across %lld overlaps they differ by %s instead of %s; images changed by up to "
+                "%.2f stops\n",
+                of, evening.at("pairs").get<long long>(), shareText(after, 1).c_str(), shareText(before, 1).c_str(),
+                evening.at("most_stops").get<double>());
+    if (const auto limited = evening.at("limited").get<long long>(); limited > 0)
+        std::printf("             %lld images are too dark to be brightened enough without noise\n", limited);
+}
+
 /// Where scans stand, and how well that is known.
 void printRegistration(const json& registration) {
     if (registration.is_null()) return;
@@ -112,6 +129,8 @@ void printInfo(const std::filesystem::path& folder, bool asJson) {
         std::printf("  scans      %.0f points, %.0f held, %.0f dropped\n", number("scan_points"),
                     number("scan_points_held"), number("scan_points_dropped"));
     printRegistration(info.value("registration", json()));
+    printEvening("photos", info.value("photograph_evening", json()));
+    printEvening("colours", info.value("colour_evening", json()));
     printPhotographs(info.value("photographs", json()));
     std::printf("  samples    %.0f; kept %s as base, %s for other directions; %.0f float in empty space\n",
                 number("samples"), shareText(number("samples_base"), number("samples")).c_str(),

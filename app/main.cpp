@@ -1,6 +1,7 @@
 // revisit: walk back into a place that was captured with depth. The command line; DESIGN.md's is stable.
 
 #include "app/build_scene.h"
+#include "app/calibrate.h"
 #include "app/info.h"
 #include "app/measure_scene.h"
 #include "app/plan_scene.h"
@@ -18,24 +19,12 @@
 #include <algorithm>
 #include <cstdio>
 #include <new>
+#include <numbers>
 #include <optional>
 
 namespace {
 
 constexpr int kDone = 0, kCouldNot = 1, kWrongUsage = 2;
-
-/// Options that belong to parts which are still to come are an error that says so.
-void refuse(CLI::App& command, const std::string& names, const std::string& part) {
-    command
-        .add_option_function<std::string>(
-            names,
-            [names, part](const std::string&) {
-                throw CLI::ValidationError(names + " comes with " + part + ", which this version has not");
-            },
-            "")
-        ->group("")
-        ->expected(0, 1);
-}
 
 /// What is asked of polygon scenes alone.
 void addCapture(CLI::App& build, app::BuildOptions& options) {
@@ -139,12 +128,16 @@ void addBuild(CLI::App& program, app::BuildOptions& options, std::string& memory
                      "JSON file of places on planes that two scans share")
         ->type_name("given|auto|FILE")
         ->capture_default_str();
+    build->add_option("--scanner", options.scanner,
+                      "scans of a panning scanner are read anew with the constants in this file, which 'revisit "
+                      "calibrate scanner' makes");
+    build->add_flag("--colour-even", options.evenColour,
+                    "make exposure and white balance of overlapping images even; held-out pictures stay as taken");
     build
         ->add_option("--camera", options.camera,
                      "JSON file of the camera and lens (k1, k2, ...) of the photographs in E57 files, which cannot say "
                      "how a lens distorts")
         ->type_name("FILE");
-    refuse(*build, "--colour-even", "colour evening");
     build->footer("Examples:\n"
                   "  revisit build living_room/ -o room.revisit\n"
                   "  revisit build scan_a.e57 scan_b.e57 -o site.revisit --memory 4G\n"
@@ -306,6 +299,69 @@ void addPlan(CLI::App& program, app::PlanOptions& options, int& threads) {
                  "  revisit plan site.revisit --out plan.json --count 5 --tripod 1.8");
 }
 
+void addCalibrate(CLI::App& program, app::CalibrateOptions& options) {
+    CLI::App* calibrate = program.add_subcommand(
+        "calibrate", "Find what is particular to a camera or a scanner, for builds to take account of.");
+    calibrate->require_subcommand(1);
+    const auto add = [&](const std::string& name, const std::string& does, const std::string& inputs) {
+        CLI::App* command = calibrate->add_subcommand(name, does);
+        command->add_option("INPUT", options.inputs, inputs)->required();
+        command->add_option("-o,--output", options.output, "JSON file to write")->required();
+        return command;
+    };
+    CLI::App* camera = add("camera", "From pictures of a checkerboard, seen tilted and from near and far.",
+                           "pictures, or folders of them");
+    camera
+        ->add_option_function<std::string>(
+            "--board",
+            [&options](const std::string& text) {
+                std::tie(options.board.columns, options.board.rows) = app::parseSize(text);
+                if (options.board.columns < 3 || options.board.rows < 3)
+                    throw CLI::ValidationError("--board " + text, "has fewer than 3 inner corners to a side");
+            },
+            "inner corners of the board, across and down")
+        ->type_name("COLUMNSxROWS")
+        ->default_str("9x6");
+    camera
+        ->add_option_function<double>(
+            "--square-mm", [&options](double millimetres) { options.board.squareMetres = millimetres / 1000; },
+            "width of a square of the board")
+        ->check(CLI::Range(0.01, 1e5))
+        ->default_str("25");
+    camera
+        ->add_option("--corner-window", options.board.windowPixels,
+                     "pixels to each side of a corner that it is found from; 0: a quarter of the way to the next")
+        ->check(CLI::Range(0, 100))
+        ->capture_default_str();
+    camera->footer("Example:\n  revisit calibrate camera boards/*.jpg --board 9x6 --square-mm 25 -o camera.json");
+
+    CLI::App* scanner = add("scanner",
+                            "From scans of a panning scanner among walls; best if the pan unit went all round, so "
+                            "that each half of the mirror's turn took everything.",
+                            ".e57 or .ptx scans on a grid of half turns of the mirror");
+    scene::ScannerConstants<double>& believed = options.believed;
+    scanner->add_option("--pan-steps", believed.panStepsPerHalfTurn, "of half a turn, as the scans were computed with")
+        ->check(CLI::Range(100.0, 1e8))
+        ->capture_default_str();
+    scanner
+        ->add_option_function<double>(
+            "--mirror-deg", [&believed](double degrees) { believed.mirrorRadians = degrees * std::numbers::pi / 180; },
+            "angle of the mirror they were computed with")
+        ->check(CLI::Range(30.0, 60.0))
+        ->default_str("45");
+    scanner->add_option("--horizon", believed.horizonPosition, "position of the encoder where the beam leaves level")
+        ->check(CLI::Range(-4096.0, 4096.0))
+        ->capture_default_str();
+    scanner
+        ->add_option_function<double>(
+            "--mirror-mm", [&believed](double millimetres) { believed.mirrorMetres = millimetres / 1000; },
+            "from the rangefinder's zero to the mirror")
+        ->check(CLI::Range(-1e4, 1e4))
+        ->default_str("120");
+    scanner->footer("Example:\n  revisit calibrate scanner walls.e57 -o scanner.json\n"
+                    "  revisit build site.e57 --scanner scanner.json -o site.revisit");
+}
+
 int run(int argc, char** argv) {
     CLI::App program{"Revisit: walk back into a place that was photographed or scanned with depth."};
     program.set_version_flag("--version", std::string("revisit ") + app::kVersion + " (" + app::kCommit + ")");
@@ -319,6 +375,7 @@ int run(int argc, char** argv) {
     app::WalkOptions walkOptions;
     app::MeasureOptions measureOptions;
     app::PlanOptions planOptions;
+    app::CalibrateOptions calibrateOptions;
     std::string memory = "8G", size;
     std::filesystem::path infoScene;
     bool infoAsJson = false;
@@ -328,6 +385,7 @@ int run(int argc, char** argv) {
     addWalk(program, walkOptions, size, memory, threads);
     addMeasure(program, measureOptions, size, memory, threads);
     addPlan(program, planOptions, threads);
+    addCalibrate(program, calibrateOptions);
     CLI::App* info = program.add_subcommand("info", "Say what a scene is and what was built into it.");
     info->add_option("SCENE", infoScene, "folder that 'revisit build' made")->required();
     info->add_flag("--json", infoAsJson, "as JSON, for programs");
@@ -356,6 +414,10 @@ int run(int argc, char** argv) {
     if (program.got_subcommand("walk")) app::walkScene(walkOptions);
     if (program.got_subcommand("measure")) app::measureScene(measureOptions);
     if (program.got_subcommand("plan")) app::planScene(planOptions);
+    if (const CLI::App* const calibrate = program.get_subcommand("calibrate"); calibrate->parsed()) {
+        if (calibrate->got_subcommand("camera")) app::calibrateCamera(calibrateOptions);
+        if (calibrate->got_subcommand("scanner")) app::calibrateScanner(calibrateOptions);
+    }
     if (program.got_subcommand("info")) app::printInfo(infoScene, infoAsJson);
     return kDone;
 }

@@ -194,6 +194,10 @@ void addPhotographs(CLI::App& cli, SampleScansOptions& scans, const std::string&
         ->check(CLI::Range(0, 1000))
         ->capture_default_str()
         ->group(group);
+    cli.add_option("--photograph-rings", scans.photographRings, "so many in each: also above the horizon, and below")
+        ->check(CLI::Range(1, 3))
+        ->capture_default_str()
+        ->group(group);
     cli.add_option_function<std::string>(
            "--photograph-size",
            [&scans](const std::string& text) {
@@ -240,6 +244,10 @@ void addScanner(CLI::App& cli, bool& isScanner, SampleScansOptions& scans) {
     cli.add_option("--farthest", scans.farthestMetres, "metres beyond which nothing comes back")
         ->check(CLI::Range(0.5, 1000.0))
         ->capture_default_str()
+        ->group(group);
+    cli.add_flag("--both-faces", scans.areBothFaces,
+                 "the pan unit goes all round, so that each half of the mirror's turn sees everything: what "
+                 "'revisit calibrate scanner' needs")
         ->group(group);
     cli.add_flag("--wrong-constants", scans.hasWrongConstants,
                  "records of a scanner with 14,039 pan steps and a mirror of 44.8 degrees, read as if it had 14,000 "

@@ -1,5 +1,6 @@
 #include "app/sample_scans.h"
 
+#include "scene/align/scanner_file.h"
 #include "scene/camera_json.h"
 #include "scene/capture/simulated_camera.h"
 #include "scene/capture/simulated_scan.h"
@@ -61,13 +62,6 @@ scene::ScannerConstants<double> asFoundByThePaper() {
     return constants;
 }
 
-Json describe(const scene::ScannerConstants<double>& c) {
-    return {{"pan_steps_per_half_turn", c.panStepsPerHalfTurn},
-            {"mirror_rad", c.mirrorRadians},
-            {"horizon_position", c.horizonPosition},
-            {"mirror_m", c.mirrorMetres}};
-}
-
 /// Looks from the scanner's origin to an azimuth and elevation: x right, y down, z forward.
 scene::Pose lookingTo(double azimuth, double elevation) {
     const glm::dvec3 forward(std::cos(azimuth) * std::cos(elevation), std::sin(azimuth) * std::cos(elevation),
@@ -98,6 +92,7 @@ class SampleScans {
         if (options.hasWrongConstants) believed_ = nominal();
         scanner_.noiseMetres = options.noiseMetres;
         scanner_.farthestMetres = options.farthestMetres;
+        if (options.areBothFaces) scanner_.panDegrees = 360;
         setDensity(scanner_, options.samplesPerDegree);
     }
 
@@ -115,9 +110,9 @@ class SampleScans {
         if (options_.format == "ptx")
             scene::writePtx(out / "scans.ptx", worldFromScanners_.size(), scanAt);
         else
-            scene::writeE57(out / "scans.e57", worldFromScanners_.size(), scanAt,
-                            {worldFromScanners_.size() * static_cast<std::size_t>(options_.photographs),
-                             [&](std::size_t i) { return photograph(i); }});
+            scene::writeE57(
+                out / "scans.e57", worldFromScanners_.size(), scanAt,
+                {worldFromScanners_.size() * photographsOfScan(), [&](std::size_t i) { return photograph(i); }});
         if (options_.photographs > 0) writeCameraFile(out / "camera.json", lens());
         writeTruth(out / "truth.json");
         return writtenPose(0) * inverse(worldFromScanners_[0]);
@@ -147,16 +142,26 @@ class SampleScans {
         scene::SimulatedCameraOptions camera;
     };
 
+    std::size_t photographsOfScan() const {
+        return static_cast<std::size_t>(options_.photographs) * static_cast<std::size_t>(options_.photographRings);
+    }
+
+    /// Degrees; the horizon's ring comes first.
+    double elevationOf(std::size_t number) const {
+        constexpr double kElevations[] = {0, 36, -36}; // they overlap by a third, as photographers do it
+        return kElevations[number / static_cast<std::size_t>(options_.photographs)];
+    }
+
     Shot shotAt(std::size_t i) const {
         scene::SeededSequence chance(scene::mixBits(seed_ + 1999u, i));
         Shot shot;
-        const auto perScan = static_cast<std::size_t>(options_.photographs);
+        const std::size_t perScan = photographsOfScan();
         const std::size_t number = i % perScan;
         shot.scan = i / perScan;
         shot.name = nameOf(shot.scan) + "-photo" + std::to_string(number + 1);
         const double turn = 2 * std::numbers::pi / options_.photographs;
         shot.scannerFromCamera = lookingTo(turn * (static_cast<double>(number) + 0.1 * chance.between(-1, 1)),
-                                           glm::radians(chance.between(-8, 2)));
+                                           glm::radians(elevationOf(number) + chance.between(-8, 2)));
         shot.writtenScannerFromCamera = shot.scannerFromCamera;
         shot.writtenScannerFromCamera.rotation =
             shot.scannerFromCamera.rotation *
@@ -180,7 +185,7 @@ class SampleScans {
 
     Json describePhotographs() const {
         Json photographs = Json::array();
-        for (std::size_t i = 0; i < worldFromScanners_.size() * static_cast<std::size_t>(options_.photographs); ++i) {
+        for (std::size_t i = 0; i < worldFromScanners_.size() * photographsOfScan(); ++i) {
             const Shot shot = shotAt(i);
             const glm::dvec3& balance = shot.camera.whiteBalance;
             photographs.push_back({{"name", shot.name},
@@ -201,7 +206,9 @@ class SampleScans {
                              {"world_from_scanner", scene::rowMajor(worldFromScanners_[i])},
                              {"written_world_from_scanner", scene::rowMajor(writtenPose(i))}});
         std::ofstream file(path);
-        file << Json{{"constants", {{"true", describe(scanner_.constants)}, {"believed", describe(believed_)}}},
+        file << Json{{"constants",
+                      {{"true", scene::describeConstants(scanner_.constants)},
+                       {"believed", scene::describeConstants(believed_)}}},
                      {"noise_m", options_.noiseMetres},
                      {"scans", scans},
                      {"photographs", describePhotographs()}}

@@ -23,12 +23,14 @@ struct SampleScansOptions {
     double samplesPerDegree = 4;
     double noiseMetres = 0.005; ///< see scene::ScannerOptions
     double farthestMetres = 30;
+    bool areBothFaces = false;      ///< the pan unit goes all round: each half of the mirror's turn sees everything
     bool hasWrongConstants = false; ///< the paper's: 14,039 steps and 44.8 degrees, read as 14,000 and 45
     bool arePosesUnknown = false;   ///< all are written as if the scanner had stood at the origin
     double poseErrorDegrees = 0, poseErrorMetres = 0;
     bool withColour = true;
     std::string format = "e57"; ///< or ptx
-    int photographs = 0;        ///< of each scan, around the horizon; E57 alone can hold them
+    int photographs = 0;        ///< of each scan, in each ring; E57 alone can hold them
+    int photographRings = 1;    ///< around the horizon; two and three: below and above it, too
     int photographWidth = 960, photographHeight = 720;
     double photographDegrees = 65;     ///< across
     double photographErrorDegrees = 1; ///< their poses are written wrong by a turn of so much

@@ -1,6 +1,13 @@
 # Registration of scans.
 revisit_test(revisit_align_tests LABELS scenes TIMEOUT 300 LINKS scene_align scene_capture TBB::tbb
-    SOURCES scene/align/registration_test.cpp scene/align/scan_planes_test.cpp)
+    SOURCES scene/align/registration_test.cpp scene/align/scan_planes_test.cpp
+        scene/align/scanner_calibration_test.cpp)
+
+# Cameras from boards.
+revisit_test(revisit_board_tests LABELS unit TIMEOUT 300
+    LINKS scene_align opencv_core opencv_imgproc opencv_imgcodecs opencv_calib3d
+    SOURCES scene/align/camera_calibration_test.cpp)
+target_include_directories(revisit_board_tests SYSTEM PRIVATE ${OpenCV_INCLUDE_DIRS})
 
 # Photographs laid on scans, and what scattered samples become in a camera.
 revisit_test(revisit_photographs_tests LABELS scenes TIMEOUT 300 WHOLE LINKS scene_capture scene_project TBB::tbb
@@ -10,6 +17,12 @@ revisit_test(revisit_photographs_tests LABELS scenes TIMEOUT 300 WHOLE LINKS sce
 add_executable(revisit_registration_study bench/registration_study.cpp)
 target_include_directories(revisit_registration_study PRIVATE ${CMAKE_SOURCE_DIR})
 target_link_libraries(revisit_registration_study PRIVATE revisit_flags scene_align scene_capture
+    nlohmann_json::nlohmann_json)
+
+# How exactly the constants of a scanner are found; the same.
+add_executable(revisit_calibration_study bench/calibration_study.cpp)
+target_include_directories(revisit_calibration_study PRIVATE ${CMAKE_SOURCE_DIR})
+target_link_libraries(revisit_calibration_study PRIVATE revisit_flags scene_align scene_capture
     nlohmann_json::nlohmann_json)
 
 # The same of photographs against their scans (docs/performance.md).

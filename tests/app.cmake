@@ -30,6 +30,16 @@ revisit_program_test(revisit_photographs_program_tests WHOLE LABELS programs TIM
     SOURCES app/comparison.cpp app/photographs_test.cpp app/program.cpp)
 target_link_libraries(revisit_photographs_program_tests PRIVATE scene)
 
+# Instruments that are a little off.
+revisit_program_test(revisit_instruments_tests LABELS programs
+    SOURCES app/comparison.cpp app/instruments_test.cpp app/program.cpp)
+target_link_libraries(revisit_instruments_tests PRIVATE scene)
+
+# From raw scans and photographs to pictures.
+revisit_program_test(revisit_chain_tests LABELS programs TIMEOUT 600
+    SOURCES app/chain_test.cpp app/comparison.cpp app/program.cpp)
+target_link_libraries(revisit_chain_tests PRIVATE scene)
+
 # Captures of others, once and whole.
 revisit_program_test(revisit_captures_tests LABELS data programs TIMEOUT 600
     SOURCES app/captures_test.cpp app/comparison.cpp app/program.cpp)

@@ -7,6 +7,7 @@ revisit_test(revisit_refine_tests LABELS unit LINKS scene scene_project scene_re
         scene/pick_test.cpp
         scene/preference_test.cpp
         scene/project/dropouts_test.cpp
+        scene/refine/colour_evening_test.cpp
         scene/refine/cover_test.cpp
         scene/refine/fusion_test.cpp
         scene/refine/pairs_test.cpp

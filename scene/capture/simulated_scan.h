@@ -8,10 +8,10 @@
 // threshold nothing is recorded.
 
 #include "scene/capture/light.h"
-#include "scene/capture/scanner_model.h"
 #include "scene/capture/tracer.h"
 #include "scene/capture/write_scans.h"
 #include "scene/scan.h"
+#include "scene/scanner_model.h"
 #include "scene/synthetic.h"
 
 #include <cstdint>

@@ -3,7 +3,9 @@
 // at a time, so that a capture of any size streams through the build.
 
 #include "scene/camera.h"
+#include "scene/distortion.h"
 #include "scene/pose.h"
+#include "scene/scanner_model.h"
 
 #include <cstdint>
 #include <filesystem>
@@ -12,12 +14,6 @@
 #include <vector>
 
 namespace scene {
-
-/// Radial and tangential distortion as OpenCV has it (k1 k2 p1 p2 k3); all zero: the image is a pinhole's.
-struct Distortion {
-    double k1 = 0, k2 = 0, p1 = 0, p2 = 0, k3 = 0;
-    friend bool operator==(const Distortion&, const Distortion&) = default;
-};
 
 /// A photograph with its registered depth: two picture files. depthUnitMetres is what one step of a 16 bit
 /// depth value is.
@@ -42,6 +38,8 @@ struct ScanSource {
     Pose worldFromScanner;
     /// Where registration found it to stand; the file's own pose is then not used.
     std::optional<Pose> registeredWorldFromScanner = std::nullopt;
+    /// Of a calibrated scanner: its points are computed anew.
+    std::optional<ScannerReading> reading = std::nullopt;
     std::int64_t pointCount = 0; ///< as the file says, invalid ones included
     int rows = 0, columns = 0;   ///< 0: unstructured
 };

@@ -17,6 +17,7 @@ namespace {
 struct Mean {
     glm::vec3 colour{0};
     float colourWeight = 0, disparity = 0, disparityWeight = 0;
+    bool isColoured = false; ///< of samples that have colours; those of intensity alone have no say then
 };
 
 /// Whether drawing needs this sample: it is kept, or shares a mesh square with one that is.
@@ -71,7 +72,10 @@ DepthImage fuse(ImageStore& images, std::size_t index, const std::vector<Partner
         });
     };
     // Weights are relative to the sample's own, which is 1.
-    forNeeded([&](int x, int y) { means(x, y) = {colourOf(image, x, y), 1, image.disparity(x, y), 1}; });
+    const auto hasOwnColour = [&](int x, int y) { return (image.flags(x, y) & kNoColour) == 0; };
+    forNeeded([&](int x, int y) {
+        means(x, y) = {colourOf(image, x, y), 1, image.disparity(x, y), 1, hasOwnColour(x, y)};
+    });
 
     const std::size_t asked = std::min(partners.size(), static_cast<std::size_t>(options.maxPartners));
     for (std::size_t i = 0; i < asked; ++i) {
@@ -103,9 +107,18 @@ DepthImage fuse(ImageStore& images, std::size_t index, const std::vector<Partner
                 mean.disparity += nearness * onPartner;
                 mean.disparityWeight += nearness;
             }
+            const bool isColoured = (partner.flags(static_cast<int>(at.u), static_cast<int>(at.v)) & kNoColour) == 0;
+            if (mean.isColoured && !isColoured) return;
+            if (isColoured && !mean.isColoured) {
+                mean.colour = glm::vec3(0), mean.colourWeight = 0;
+                mean.isColoured = true;
+            }
             const glm::vec3 colour = colourAt(partner, at.u, at.v);
-            const glm::vec3 change = colour - colourOf(image, x, y);
-            const float weight = confidence * std::exp(-glm::dot(change, change) * perColour);
+            float weight = confidence;
+            if (isColoured == hasOwnColour(x, y)) { // else there is nothing to compare with
+                const glm::vec3 change = colour - colourOf(image, x, y);
+                weight *= std::exp(-glm::dot(change, change) * perColour);
+            }
             mean.colour += weight * colour;
             mean.colourWeight += weight;
         });
@@ -113,14 +126,19 @@ DepthImage fuse(ImageStore& images, std::size_t index, const std::vector<Partner
 
     Image<Rgb8> colour = fused.colour;
     Image<float> disparity = fused.disparity;
+    Image<std::uint8_t> flags = fused.flags;
     forNeeded([&](int x, int y) {
         const Mean& mean = means(x, y);
-        const glm::vec3 c = mean.colour / mean.colourWeight;
-        colour(x, y) = {toByte(c.x), toByte(c.y), toByte(c.z)};
+        if (mean.colourWeight > 0) {
+            const glm::vec3 c = mean.colour / mean.colourWeight;
+            colour(x, y) = {toByte(c.x), toByte(c.y), toByte(c.z)};
+            if (mean.isColoured) flags(x, y) = static_cast<std::uint8_t>(flags(x, y) & ~kNoColour);
+        }
         disparity(x, y) = mean.disparity / mean.disparityWeight;
     });
     fused.colour = std::move(colour);
     fused.disparity = std::move(disparity);
+    fused.flags = std::move(flags);
     for (int y = 0; y < camera.height; ++y)
         for (int x = 0; x < camera.width; ++x)
             if (kept(x, y) != Keep::base)

@@ -1,6 +1,7 @@
 #pragma once
 // Fusion: the sample that is kept takes the confidence-weighted mean of all images that agree with it, in colour and
-// disparity. Beyond the papers: dropping the others then costs nothing, and noise falls.
+// disparity. Beyond the papers: dropping the others then costs nothing, and noise falls. Samples of a scan without
+// colours (kNoColour) take those of whoever has any, and are then no longer without.
 
 #include "scene/image_store.h"
 #include "scene/refine/pairs.h"

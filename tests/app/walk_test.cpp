@@ -197,7 +197,7 @@ TEST_F(Walk, WrongUsageIsTwoAndWhatCannotBeDoneIsOne) {
     const std::vector<Case> cases{
         {{kRevisit}, 2, "subcommand"},
         {{kRevisit, "build"}, 2, "INPUT"},
-        {{kRevisit, "build", capture(), "-o", path("x.revisit"), "--colour-even"}, 2, "colour evening"},
+        {{kRevisit, "build", capture(), "-o", path("x.revisit"), "--scanner", "x.json"}, 1, "is for laser scans"},
         {{kRevisit, "build", capture(), "-o", path("x.revisit"), "--register", "auto"}, 1, "registers laser scans"},
         {{kRevisit, "build", capture(), "-o", path("x.revisit"), "--memory", "lots"}, 2, "--memory"},
         {{kRevisit, "render", room, "--out", path("x"), "--size", "0x10"}, 2, "--size"},

@@ -1,6 +1,6 @@
 // The scanner's geometry against closed forms, and against reflection at a mirror as vectors have it.
 
-#include "scene/capture/scanner_model.h"
+#include "scene/scanner_model.h"
 #include "scene/synthetic_random.h"
 
 #include <glm/geometric.hpp>

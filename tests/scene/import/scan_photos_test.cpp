@@ -39,14 +39,14 @@ TEST(ScanPhotosOfAFile, ThoseThatCannotBeUsedAreToldOfInOneSentenceEach) {
     const TemporaryFolder folder;
     WrittenImage cameraless = imageOf("flat", "pinholeRepresentation", WrittenPose{});
     cameraless.numbers[2].value = 0;
-    const Capture capture = captureOf(
-        folder, {imageOf("good", "pinholeRepresentation", WrittenPose{1, 0, 0, 0, 0.1, 0, 0}),
-                 imageOf("ball", "sphericalRepresentation", WrittenPose{}),
-                 imageOf("tin", "cylindricalRepresentation", WrittenPose{}),
-                 imageOf("tin two", "cylindricalRepresentation", WrittenPose{}),
-                 imageOf("card", "visualReferenceRepresentation", std::nullopt),
-                 imageOf("lost", "pinholeRepresentation", std::nullopt), cameraless,
-                 imageOf("far", "pinholeRepresentation", WrittenPose{1, 0, 0, 0, 20, 0, 0})});
+    const Capture capture =
+        captureOf(folder, {imageOf("good", "pinholeRepresentation", WrittenPose{1, 0, 0, 0, 0.1, 0, 0}),
+                           imageOf("ball", "sphericalRepresentation", WrittenPose{}),
+                           imageOf("tin", "cylindricalRepresentation", WrittenPose{}),
+                           imageOf("tin two", "cylindricalRepresentation", WrittenPose{}),
+                           imageOf("card", "visualReferenceRepresentation", std::nullopt),
+                           imageOf("lost", "pinholeRepresentation", std::nullopt), cameraless,
+                           imageOf("far", "pinholeRepresentation", WrittenPose{1, 0, 0, 0, 20, 0, 0})});
     ASSERT_EQ(capture.scanPhotos.size(), 1u) << "the one that stands beside the scan";
     EXPECT_EQ(capture.scanPhotos[0].name, "good");
     EXPECT_THAT(capture.remarks,

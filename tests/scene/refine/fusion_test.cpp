@@ -158,6 +158,29 @@ TEST(Fusion, TakesNoColourOfWhatLooksDifferent) {
     EXPECT_TRUE((fused.colour(90, 60) == Rgb8{100, 100, 100})) << "a gleam that others see stays theirs";
 }
 
+TEST(Fusion, SamplesWithoutColourTakeThatOfWhoeverHasAny) {
+    std::vector<DepthImage> images;
+    for (int i = 0; i < 4; ++i) {
+        images.push_back(imageOf(
+            smallCamera(), {glm::dmat3(1.0), {0.05 * i, 0, 0}}, [](double, double) { return 0.5; },
+            i < 2 ? Rgb8{40, 40, 40} : Rgb8{200, 120, 60}));
+        if (i < 2)
+            for (std::uint8_t& flags : images.back().flags.pixels())
+                flags |= kNoColour;
+    }
+    ImageStore store(images);
+    const DepthImage grey = fuse(store, 0, allBut(4, 0), keepAll(), {}),
+                     coloured = fuse(store, 2, allBut(4, 2), keepAll(), {});
+    EXPECT_TRUE((grey.colour(90, 60) == Rgb8{200, 120, 60}));
+    EXPECT_EQ(grey.flags(90, 60) & kNoColour, 0);
+    EXPECT_TRUE((coloured.colour(90, 60) == Rgb8{200, 120, 60})) << "intensity is no colour";
+    // Where nobody has any, it stays what it is.
+    ImageStore greys({images[0], images[1]});
+    const DepthImage none = fuse(greys, 0, allBut(2, 0), keepAll(), {});
+    EXPECT_TRUE((none.colour(90, 60) == Rgb8{40, 40, 40}));
+    EXPECT_NE(none.flags(90, 60) & kNoColour, 0);
+}
+
 TEST(Fusion, KeepsTheSkyAtInfinity) {
     std::vector<DepthImage> images;
     for (int i = 0; i < 2; ++i)

@@ -16,6 +16,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 namespace scene {
 
@@ -29,6 +30,11 @@ struct ScannerConstants {
     T mirrorRadians{std::numbers::pi / 4}; ///< between the mirror's normal and the shaft
     T horizonPosition{0.0};                ///< of the encoder when the beam leaves level, in [0, kEncoderPositions)
     T mirrorMetres{0.12};                  ///< from the rangefinder's zero to the mirror: part of every range
+};
+
+/// What a scan's points were computed with, and what its records should have been read with.
+struct ScannerReading {
+    ScannerConstants<double> believed, constants;
 };
 
 /// Where the beam goes, a unit vector in the scanner's frame. encoder in positions and pan in steps, neither needs to
@@ -52,6 +58,30 @@ std::array<T, 3> scannedPoint(const ScannerConstants<T>& constants, const T& enc
     const std::array<T, 3> beam = beamDirection(constants, encoder, pan);
     const T beyond = range - constants.mirrorMetres;
     return {beam[0] * beyond, beam[1] * beyond, beam[2] * beyond};
+}
+
+/// Which half of a turn of the mirror a beam belongs to: above the pan unit's front, or behind it. Every direction can
+/// be reached by both, at pans that are half a turn apart.
+enum class ScannerFace { front, back };
+
+/// A record as the instrument made it, neither number whole: the middle of what it stands for.
+struct ScannerRecord {
+    double encoder = 0, pan = 0, rangeMetres = 0;
+};
+
+/// The record behind a place that was computed with these constants: scannedPoint turned round. pan is in (-half a
+/// turn, half a turn] of steps; whole turns are the caller's to add. Nothing where the cone of the beam never passes.
+inline std::optional<ScannerRecord> recordOf(const ScannerConstants<double>& constants, const std::array<double, 3>& p,
+                                             ScannerFace face) {
+    const double beyond = std::sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]);
+    const double along = -std::cos(2 * constants.mirrorRadians), away = std::sin(2 * constants.mirrorRadians);
+    if (!(beyond > 0) || !(std::abs(p[2] / beyond) < away)) return std::nullopt;
+    const double sine = p[2] / beyond / away, cosine = std::sqrt(1 - sine * sine);
+    const double turn = std::atan2(sine, face == ScannerFace::front ? cosine : -cosine);
+    const double level = away * (face == ScannerFace::front ? cosine : -cosine);
+    const double azimuth = std::remainder(std::atan2(p[1], p[0]) - std::atan2(along, level), 2 * std::numbers::pi);
+    return ScannerRecord{constants.horizonPosition + turn * kEncoderPositions / (2 * std::numbers::pi),
+                         azimuth * constants.panStepsPerHalfTurn / std::numbers::pi, beyond + constants.mirrorMetres};
 }
 
 } // namespace scene

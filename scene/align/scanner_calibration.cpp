@@ -1,0 +1,273 @@
+#include "scene/align/scanner_calibration.h"
+
+#include "scene/align/scan_planes.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <Eigen/Dense>
+#include <ceres/ceres.h>
+#include <glm/geometric.hpp>
+
+namespace scene {
+
+namespace {
+
+/// How far the second face's samples of a plane may lie from where the first face has it: what wrong constants do.
+constexpr double kGateMetres = 0.03, kGateShare = 0.02;
+constexpr double kGateDeviations = 4; ///< once constants are about right
+constexpr double kRobustDeviations = 2.0;
+constexpr int kLeastSamples = 200;                   ///< of a plane and face: fewer say nothing that noise does not
+constexpr double kLeastArea = 0.3;                   ///< square metres; small things are seldom as plane as they look
+constexpr double kUsualNoise = 0.006, kMostMore = 6; ///< metres; times the samples of usual scans
+constexpr int kConstants = 4;
+
+using Numbers = std::array<double, kConstants>;
+
+Numbers numbersOf(const ScannerConstants<double>& c) {
+    return {c.panStepsPerHalfTurn, c.mirrorRadians, c.horizonPosition, c.mirrorMetres};
+}
+
+ScannerConstants<double> constantsOf(const Numbers& n) {
+    return {n[0], n[1], n[2], n[3]};
+}
+
+/// A record that is taken to lie on a plane.
+struct Taken {
+    ScannerRecord record;
+    std::size_t plane = 0;
+};
+
+/// A plane that both faces saw, as the vector whose product with each of its points is 1.
+struct FacedPlane {
+    std::array<double, 3> reciprocal{};
+    double noiseMetres = 0;
+};
+
+/// Planes and what was seen of them, of all scans.
+struct Sightings {
+    std::vector<FacedPlane> planes;
+    std::vector<Taken> taken;
+};
+
+/// The distance of a record's place from its plane, in deviations.
+struct OffPlane {
+    ScannerRecord record;
+    double weight;
+
+    template <class T>
+    bool operator()(const T* c, const T* w, T* residual) const {
+        const ScannerConstants<T> constants{c[0], c[1], c[2], c[3]};
+        const std::array<T, 3> p = scannedPoint<T>(constants, T(record.encoder), T(record.pan), T(record.rangeMetres));
+        using std::sqrt;
+        const T length = sqrt(w[0] * w[0] + w[1] * w[1] + w[2] * w[2]);
+        residual[0] = (w[0] * p[0] + w[1] * p[1] + w[2] * p[2] - T(1)) / length * weight;
+        return true;
+    }
+};
+
+double distanceOf(const ScannerConstants<double>& constants, const FacedPlane& plane, const ScannerRecord& record) {
+    const Numbers c = numbersOf(constants);
+    double distance = 0;
+    OffPlane{record, 1}(c.data(), plane.reciprocal.data(), &distance);
+    return distance;
+}
+
+/// The scan with the samples of one face alone.
+Scan ofFace(const Scan& scan, const ScanRecords& records, ScannerFace face) {
+    Scan half;
+    half.rows = scan.rows, half.columns = scan.columns;
+    for (std::size_t i = 0; i < scan.pointsInScanner.size(); ++i) {
+        if (records.faces[i] != face) continue;
+        half.pointsInScanner.push_back(scan.pointsInScanner[i]);
+        half.row.push_back(scan.row[i]), half.column.push_back(scan.column[i]);
+    }
+    half.colours.resize(half.pointsInScanner.size());
+    return half;
+}
+
+/// Adds what a scan, read with `constants`, shows of planes that both faces saw. most: samples to add.
+void addSightings(const Scan& scan, const ScanRecords& records, bool isFirstPass, std::size_t most,
+                  Sightings& sightings) {
+    // Wrong constants part the faces' planes: they are then looked for in one face, and the other's samples near them.
+    const Scan front = isFirstPass ? ofFace(scan, records, ScannerFace::front) : Scan();
+    const Scan& whole = isFirstPass ? front : scan;
+    Panorama panorama = panoramaOf(whole);
+    const std::vector<ScanPlane> planes = planesOf(whole, panorama);
+
+    std::vector<std::array<std::vector<std::size_t>, 2>> seen(planes.size());
+    for (std::size_t i = 0; i < records.records.size(); ++i) {
+        if (!(records.records[i].rangeMetres > 0)) continue;
+        const glm::dvec3 p(scan.pointsInScanner[i]);
+        const PanoramaCell* cell = panorama.find(p);
+        if (!cell || cell->plane < 0) continue;
+        const ScanPlane& plane = planes[static_cast<std::size_t>(cell->plane)];
+        const double gate = isFirstPass ? kGateMetres + kGateShare * glm::length(p)
+                                        : std::max(kGateDeviations * plane.noiseMetres, 0.002);
+        if (std::abs(glm::dot(plane.normal, p) - plane.offset) < gate)
+            seen[static_cast<std::size_t>(cell->plane)][records.faces[i] == ScannerFace::back].push_back(i);
+    }
+    std::vector<std::size_t> both;
+    for (std::size_t k = 0; k < planes.size(); ++k)
+        if (planes[k].areaSquareMetres >= kLeastArea && seen[k][0].size() >= kLeastSamples &&
+            seen[k][1].size() >= kLeastSamples && planes[k].offset < -0.05)
+            both.push_back(k);
+    if (both.empty()) return;
+    // Noise falls as the root of what is taken: of a noisier scan, more.
+    std::vector<double> noises;
+    for (const std::size_t k : both)
+        noises.push_back(planes[k].noiseMetres);
+    std::nth_element(noises.begin(), noises.begin() + std::ssize(noises) / 2, noises.end());
+    const double more = std::clamp(std::pow(noises[noises.size() / 2] / kUsualNoise, 2), 1.0, kMostMore);
+    const std::size_t mostOfFace = std::max<std::size_t>(
+        static_cast<std::size_t>(more * static_cast<double>(most)) / (2 * both.size()), kLeastSamples);
+    for (const std::size_t k : both) {
+        const glm::dvec3 w = planes[k].normal / planes[k].offset;
+        for (const std::vector<std::size_t>& samples : seen[k]) {
+            const std::size_t count = std::min(samples.size(), mostOfFace);
+            for (std::size_t j = 0; j < count; ++j)
+                sightings.taken.push_back(
+                    {records.records[samples[j * samples.size() / count]], sightings.planes.size()});
+        }
+        sightings.planes.push_back({{w.x, w.y, w.z}, std::max(planes[k].noiseMetres, 0.0005)});
+    }
+}
+
+/// Of the middle 90 % by size.
+double rmsOf(const ScannerConstants<double>& constants, const Sightings& sightings) {
+    std::vector<double> squares;
+    for (const Taken& taken : sightings.taken) {
+        const double distance = distanceOf(constants, sightings.planes[taken.plane], taken.record);
+        squares.push_back(distance * distance);
+    }
+    if (squares.empty()) return 0;
+    const std::size_t kept = std::max<std::size_t>(squares.size() * 9 / 10, 1);
+    std::nth_element(squares.begin(), squares.begin() + static_cast<std::ptrdiff_t>(kept - 1), squares.end());
+    double sum = 0;
+    for (std::size_t i = 0; i < kept; ++i)
+        sum += squares[i];
+    return std::sqrt(sum / static_cast<double>(kept));
+}
+
+void addTo(ceres::Problem& problem, const Sightings& sightings, Numbers& constants, std::vector<FacedPlane>& planes) {
+    problem.AddParameterBlock(constants.data(), kConstants);
+    for (FacedPlane& plane : planes)
+        problem.AddParameterBlock(plane.reciprocal.data(), 3);
+    auto* loss = new ceres::CauchyLoss(kRobustDeviations); // the problem's from here on, once for all
+    for (const Taken& taken : sightings.taken) {
+        FacedPlane& plane = planes[taken.plane];
+        problem.AddResidualBlock(new ceres::AutoDiffCostFunction<OffPlane, 1, kConstants, 3>(
+                                     new OffPlane{taken.record, 1 / plane.noiseMetres}),
+                                 loss, constants.data(), plane.reciprocal.data());
+    }
+}
+
+void adjust(Sightings& sightings, Numbers& constants) {
+    ceres::Problem problem;
+    addTo(problem, sightings, constants, sightings.planes);
+    ceres::Solver::Options options;
+    options.linear_solver_type = ceres::DENSE_SCHUR; // planes know nothing of each other
+    options.max_num_iterations = 30;
+    options.function_tolerance = 1e-9;
+    options.num_threads = 1; // the same bytes everywhere
+    options.logging_type = ceres::SILENT;
+    ceres::Solver::Summary summary;
+    ceres::Solve(options, &problem, &summary);
+}
+
+/// Standard deviations of the constants. Samples of a plane share its faults (it is not quite one), so each plane
+/// counts as one observation: the sandwich of White, by clusters.
+Numbers deviationsOf(const Sightings& sightings, const Numbers& constants) {
+    using Row = Eigen::Matrix<double, kConstants + 3, 1>;
+    using Square = Eigen::Matrix<double, kConstants + 3, kConstants + 3>;
+    std::vector<Square> hessians(sightings.planes.size(), Square::Zero());
+    std::vector<Row> gradients(sightings.planes.size(), Row::Zero());
+    using Jet = ceres::Jet<double, kConstants + 3>;
+    std::array<Jet, kConstants> c;
+    for (int i = 0; i < kConstants; ++i)
+        c[static_cast<std::size_t>(i)] = Jet(constants[static_cast<std::size_t>(i)], i);
+    for (const Taken& taken : sightings.taken) {
+        const FacedPlane& plane = sightings.planes[taken.plane];
+        std::array<Jet, 3> w;
+        for (int i = 0; i < 3; ++i)
+            w[static_cast<std::size_t>(i)] = Jet(plane.reciprocal[static_cast<std::size_t>(i)], kConstants + i);
+        Jet residual;
+        OffPlane{taken.record, 1 / plane.noiseMetres}(c.data(), w.data(), &residual);
+        const double loss = 1 / (1 + residual.a * residual.a / (kRobustDeviations * kRobustDeviations));
+        hessians[taken.plane] += loss * residual.v * residual.v.transpose();
+        gradients[taken.plane] += loss * residual.a * residual.v;
+    }
+    // Each plane's own three numbers are eliminated: what is left speaks of the constants.
+    Eigen::Matrix4d information = Eigen::Matrix4d::Zero(), scatter = Eigen::Matrix4d::Zero();
+    for (std::size_t k = 0; k < hessians.size(); ++k) {
+        const Eigen::Matrix3d own = hessians[k].bottomRightCorner<3, 3>();
+        const Eigen::Matrix<double, kConstants, 3> shared = hessians[k].topRightCorner<kConstants, 3>();
+        const Eigen::Matrix<double, kConstants, 3> through = own.ldlt().solve(shared.transpose()).transpose();
+        information += hessians[k].topLeftCorner<kConstants, kConstants>() - through * shared.transpose();
+        const Eigen::Vector4d gradient = gradients[k].head<kConstants>() - through * gradients[k].tail<3>();
+        scatter += gradient * gradient.transpose();
+    }
+    // Constants are of very different size: scaled before they are divided by.
+    const Eigen::Vector4d scale = information.diagonal().cwiseMax(1e-30).cwiseSqrt().cwiseInverse();
+    const Eigen::Matrix4d scaled = scale.asDiagonal() * information * scale.asDiagonal();
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d> solver(scaled);
+    const Eigen::Matrix4d inverse = solver.eigenvectors() *
+                                    solver.eigenvalues().cwiseMax(1e-12).cwiseInverse().asDiagonal() *
+                                    solver.eigenvectors().transpose();
+    const Eigen::Matrix4d half = scale.asDiagonal() * inverse * scale.asDiagonal();
+    const auto planes = static_cast<double>(hessians.size());
+    const double freedom = planes > kConstants ? planes / (planes - kConstants) : planes;
+    const Eigen::Matrix4d covariance = half * scatter * half * freedom;
+    Numbers deviations{};
+    for (int i = 0; i < kConstants; ++i) // at the optimum few planes may agree by chance: samples' noise is the least
+        deviations[static_cast<std::size_t>(i)] = std::sqrt(std::max({covariance(i, i), half(i, i), 0.0}));
+    return deviations;
+}
+
+std::string whatIsLacking(const ScannerConstants<double>& d) {
+    if (d.panStepsPerHalfTurn > kMostStepsDeviation) return "the steps of the pan unit cannot be told";
+    if (d.mirrorRadians > kMostMirrorDeviation) return "the mirror's angle cannot be told";
+    if (d.horizonPosition > kMostHorizonDeviation) return "the encoder's horizon cannot be told";
+    if (d.mirrorMetres > kMostMetresDeviation) return "the distance to the mirror cannot be told";
+    return {};
+}
+
+} // namespace
+
+ScannerCalibration calibrateScanner(std::size_t scans, const std::function<Scan(std::size_t)>& scanAt,
+                                    const ScannerConstants<double>& believed,
+                                    const ScannerCalibrationOptions& options) {
+    ScannerCalibration result;
+    Numbers constants = numbersOf(believed);
+    Sightings sightings;
+    for (int pass = 0; pass < options.passes; ++pass) {
+        sightings = {};
+        for (std::size_t i = 0; i < scans; ++i) {
+            Scan scan = scanAt(i);
+            const ScanRecords records = recordsOf(scan, believed, scan.name);
+            if (pass > 0) readAnew(scan, records, constantsOf(constants));
+            addSightings(scan, records, pass == 0, static_cast<std::size_t>(options.mostSamples) / scans, sightings);
+        }
+        if (sightings.planes.size() < 3) {
+            result.constants = believed;
+            result.why = "fewer than three planes were seen by both halves of the mirror's turn";
+            return result;
+        }
+        if (pass == 0) result.rmsBeforeMetres = rmsOf(believed, sightings);
+        adjust(sightings, constants);
+    }
+    result.constants = constantsOf(constants);
+    result.deviations = constantsOf(deviationsOf(sightings, constants));
+    result.planes = static_cast<int>(sightings.planes.size());
+    result.samples = std::ssize(sightings.taken);
+    result.rmsAfterMetres = rmsOf(result.constants, sightings);
+    result.why = whatIsLacking(result.deviations);
+    if (!result.why.empty()) {
+        result.why += ": walls about the scanner must be seen by both halves of the mirror's turn";
+        result.constants = believed;
+    }
+    return result;
+}
+
+} // namespace scene
