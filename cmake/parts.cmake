@@ -12,7 +12,7 @@ find_package(embree 3 REQUIRED)
 find_package(assimp 5 REQUIRED)
 find_package(XercesC REQUIRED)
 find_package(CGAL 5 REQUIRED)
-find_package(OpenCV REQUIRED COMPONENTS core imgproc imgcodecs calib3d videoio ximgproc)
+find_package(OpenCV REQUIRED COMPONENTS core imgproc imgcodecs calib3d videoio)
 pkg_check_modules(HWY REQUIRED IMPORTED_TARGET libhwy)
 pkg_check_modules(XXHASH REQUIRED IMPORTED_TARGET libxxhash)
 

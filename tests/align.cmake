@@ -9,6 +9,10 @@ revisit_test(revisit_board_tests LABELS unit TIMEOUT 300
     SOURCES scene/align/camera_calibration_test.cpp)
 target_include_directories(revisit_board_tests SYSTEM PRIVATE ${OpenCV_INCLUDE_DIRS})
 
+# Photographs laid on scans, and what scattered samples become in a camera.
+revisit_test(revisit_photographs_tests LABELS scenes TIMEOUT 300 WHOLE LINKS scene_capture scene_project TBB::tbb
+    SOURCES scene/align/colour_to_range_test.cpp scene/project/planar_projection_test.cpp)
+
 # How exact and how sure registration is, over many seeds (docs/performance.md); run by hand, for minutes.
 add_executable(revisit_registration_study bench/registration_study.cpp)
 target_include_directories(revisit_registration_study PRIVATE ${CMAKE_SOURCE_DIR})

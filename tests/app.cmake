@@ -35,6 +35,11 @@ revisit_program_test(revisit_chain_tests LABELS programs TIMEOUT 600
     SOURCES app/chain_test.cpp app/comparison.cpp app/program.cpp)
 target_link_libraries(revisit_chain_tests PRIVATE scene)
 
+# Photographs beside scans, from the simulated camera to how they lie on them.
+revisit_program_test(revisit_photographs_program_tests WHOLE LABELS programs TIMEOUT 300
+    SOURCES app/comparison.cpp app/photographs_test.cpp app/program.cpp)
+target_link_libraries(revisit_photographs_program_tests PRIVATE scene)
+
 # Captures of others, once and whole.
 revisit_program_test(revisit_captures_tests LABELS data programs TIMEOUT 600
     SOURCES app/captures_test.cpp app/comparison.cpp app/program.cpp)

@@ -23,7 +23,7 @@ ScanForPhotographs forPhotographs(ScanWithIntensity from) {
     ScanForPhotographs scan;
     scan.reflectance = evenedReflectance(from);
     scan.scan = std::move(from.scan);
-    scan.steps = stepsOf(scan.scan, glm::dvec3(0));
+    scan.traits = traitsOf(scan.scan);
     const double noise = rangeNoiseOf(scan.scan);
     if (noise > 0) scan.planar.noiseMetres = noise;
     return scan;
@@ -34,7 +34,7 @@ PhotographForScan forScan(const Image<Rgb8>& picture, const CameraFile& lens, co
     const Camera& camera = lens.camera;
     const double least = std::max(camera.width, camera.height) / static_cast<double>(kMostPixelsAcross);
     const double scale =
-        std::max({kLeastPixelSpacings * scan.spacingRadians() * std::min(camera.fx, camera.fy), least, 1.0});
+        std::max({kLeastPixelSpacings * scan.traits.spacingRadians() * std::min(camera.fx, camera.fy), least, 1.0});
     const auto sizeOf = [&](int pixels) { return std::max(1, static_cast<int>(std::lround(pixels / scale))); };
     const Camera pinhole = resized(camera, sizeOf(camera.width), sizeOf(camera.height));
     return {straightened(picture, lens, pinhole), pinhole, scannerFromGiven};
@@ -43,14 +43,15 @@ PhotographForScan forScan(const Image<Rgb8>& picture, const CameraFile& lens, co
 std::vector<ColourFit> layOnScan(ScanForPhotographs& scan, std::span<const PhotographForScan> photographs,
                                  const std::function<void()>& progress) {
     ColourToRangeOptions options;
-    options.mostDeviationRadians = std::max(kLeastDeviationRadians, kMostDeviationSpacings * scan.spacingRadians());
+    options.mostDeviationRadians =
+        std::max(kLeastDeviationRadians, kMostDeviationSpacings * scan.traits.spacingRadians());
     std::vector<ColourFit> fits;
     std::vector<PhotographOnScan> all;
     std::swap(scan.scan.colours, scan.reflectance);
     for (const PhotographForScan& photograph : photographs) {
         const Camera wide = widened(photograph.camera, options.reachRadians, 1 / photograph.camera.fx);
         DepthImage seen =
-            projectToCamera(scan.scan, scan.steps, inverse(photograph.scannerFromGiven), wide, scan.planar);
+            projectToCamera(scan.scan, scan.traits, inverse(photograph.scannerFromGiven), wide, scan.planar);
         fillDropouts(seen);
         fits.push_back(findTurn(seen, photograph.straight.colour, photograph.camera, options));
         all.push_back({&photograph.straight.colour, photograph.camera, photograph.scannerFromGiven});
@@ -64,7 +65,7 @@ std::vector<ColourFit> layOnScan(ScanForPhotographs& scan, std::span<const Photo
 DepthImage withRange(const ScanForPhotographs& scan, const PhotographForScan& photograph, const Pose& scannerFromCamera,
                      const DropoutOptions& dropouts) {
     DepthImage image =
-        projectToCamera(scan.scan, scan.steps, inverse(scannerFromCamera), photograph.camera, scan.planar);
+        projectToCamera(scan.scan, scan.traits, inverse(scannerFromCamera), photograph.camera, scan.planar);
     image.worldFromCamera = scannerFromCamera;
     image.colour = photograph.straight.colour;
     for (std::uint8_t& flags : image.flags.pixels())

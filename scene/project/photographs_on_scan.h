@@ -15,10 +15,8 @@ namespace scene {
 struct ScanForPhotographs {
     Scan scan;
     std::vector<Rgb8> reflectance; ///< evened (align/reflectance.h), one for each point
-    AngularSteps steps;
+    ScanTraits traits;
     PlanarOptions planar; ///< with the noise that the scan shows
-
-    double spacingRadians() const { return std::max(steps.horizontal, steps.vertical); }
 };
 
 ScanForPhotographs forPhotographs(ScanWithIntensity scan);

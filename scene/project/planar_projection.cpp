@@ -15,8 +15,54 @@ namespace scene {
 
 namespace {
 
-constexpr double kNoiseWidths = 6; ///< of noise, that two samples of one surface may differ by
-constexpr int kMostSupport = 64;   ///< pixels; a camera far finer than the scan is left with holes
+constexpr double kNoiseWidths = 6;        ///< of noise, that two samples of one surface may differ by
+constexpr double kGridSameSurface = 0.02; ///< see gridOf
+constexpr int kSlitSamples = 10;
+constexpr double kSameInSlit = 0.01;
+constexpr double kLeastOff = 0.005, kOffDeviations = 3.5, kSteepest = 0.08; ///< of averaged samples; relative
+constexpr int kMostSupport = 64; ///< pixels; a camera far finer than the scan is left with holes
+
+/// Samples that go on neither the surface before nor the one behind them in their row or column, but lie between the
+/// two. 1 / range of a plane is a straight line along rows and columns, so each side is carried on by its own slope.
+std::vector<std::uint8_t> findAveraged(const Scan& scan, const ScanGrid& grid) {
+    const int width = grid.pointOfCell.width(), height = grid.pointOfCell.height();
+    const double noiseMetres = rangeNoiseOf(scan);
+    const auto disparityAt = [&](int x, int y) {
+        if (grid.closes) x = (x + width) % width;
+        if (x < 0 || y < 0 || x >= width || y >= height || grid.pointOfCell(x, y) < 0) return 0.0;
+        return 1.0 / glm::length(scan.pointsInScanner[static_cast<std::size_t>(grid.pointOfCell(x, y))]);
+    };
+    // Where the surface at x, y would be one step farther on; beyond a silhouette there is no slope to be had.
+    const auto carriedOn = [&](int x, int y, int dx, int dy) {
+        const double here = disparityAt(x, y), before = disparityAt(x - dx, y - dy);
+        return before > 0 && std::abs(before - here) < kSteepest * here ? 2 * here - before : here;
+    };
+    const auto isBetween = [&](int x, int y, int dx, int dy) {
+        const double here = disparityAt(x, y);
+        if (!(disparityAt(x - dx, y - dy) > 0 && disparityAt(x + dx, y + dy) > 0)) return false;
+        const double from = carriedOn(x - dx, y - dy, dx, dy) - here, to = carriedOn(x + dx, y + dy, -dx, -dy) - here;
+        // Noise of a sample and of what two others foretell.
+        const double least = here * std::max(kLeastOff, kOffDeviations * std::sqrt(6.0) * noiseMetres * here);
+        if (std::abs(from) <= least || std::abs(to) <= least) return false;
+        if (from * to < 0) return true;
+        if (from < 0) return false; // a rod before what stands behind it
+        // A slit as narrow as one sample: believed if what one sees in it goes on somewhere beside.
+        for (int i = 2; i <= kSlitSamples; ++i)
+            for (const int side : {-i, i}) {
+                const double other = disparityAt(x + side * dx, y + side * dy);
+                if (other > 0 && std::abs(other - here) < kSameInSlit * here) return false;
+            }
+        return true;
+    };
+    std::vector<std::uint8_t> isAveraged(scan.pointsInScanner.size(), 0);
+    tbb::parallel_for(0, height, [&](int y) {
+        for (int x = 0; x < width; ++x)
+            if (grid.pointOfCell(x, y) >= 0)
+                isAveraged[static_cast<std::size_t>(grid.pointOfCell(x, y))] =
+                    isBetween(x, y, 1, 0) || isBetween(x, y, 0, 1);
+    });
+    return isAveraged;
+}
 
 /// A sample as the camera sees it.
 struct Seen {
@@ -92,10 +138,10 @@ float planeAtCentre(std::span<const Member> members) {
 
 class Projection {
   public:
-    Projection(const Scan& scan, const AngularSteps& steps, const Camera& camera, const Buckets& buckets,
+    Projection(const Scan& scan, const ScanTraits& traits, const Camera& camera, const Buckets& buckets,
                const PlanarOptions& options)
-        : scan_(scan), camera_(camera), buckets_(buckets), options_(options),
-          step_(std::max(steps.horizontal, steps.vertical)) {}
+        : scan_(scan), traits_(traits), camera_(camera), buckets_(buckets), options_(options),
+          step_(traits.spacingRadians()) {}
 
     void row(int y, DepthImage& image) const {
         std::vector<Member> members;
@@ -110,13 +156,13 @@ class Projection {
         const double spacingX = std::max(step_ * camera_.fx * away, 1.0),
                      spacingY = std::max(step_ * camera_.fy * away, 1.0);
         const double reachX = options_.support * spacingX, reachY = options_.support * spacingY;
-        gather(x, y, reachX, reachY, members);
+        // An averaged sample says that there is surface, if not where.
+        bool isNear = gather(x, y, reachX, reachY, spacingX, spacingY, members);
         if (members.empty()) return;
         const std::span<const Member> cluster = heaviest(members, std::sqrt(away));
         if (cluster.size() == 1 && members.size() > 2) return; // between surfaces, or by itself
-        const bool isNear = std::any_of(cluster.begin(), cluster.end(), [&](const Member& m) {
-            return std::abs(m.dx) <= options_.reach * spacingX && std::abs(m.dy) <= options_.reach * spacingY;
-        });
+        isNear |= std::any_of(cluster.begin(), cluster.end(),
+                              [&](const Member& m) { return isOwn(m.dx, m.dy, spacingX, spacingY); });
         if (!isNear) return;
         image.disparity(x, y) = planeAtCentre(cluster);
         image.flags(x, y) = scan_.hasColour ? std::uint8_t{0} : std::uint8_t{kNoColour};
@@ -129,7 +175,14 @@ class Projection {
         image.colour(x, y) = {byte(r), byte(g), byte(b)};
     }
 
-    void gather(int x, int y, double reachX, double reachY, std::vector<Member>& members) const {
+    bool isOwn(double dx, double dy, double spacingX, double spacingY) const {
+        return std::abs(dx) <= options_.reach * spacingX && std::abs(dy) <= options_.reach * spacingY;
+    }
+
+    /// Returns whether an averaged sample is near.
+    bool gather(int x, int y, double reachX, double reachY, double spacingX, double spacingY,
+                std::vector<Member>& members) const {
+        bool isAveragedNear = false;
         members.clear();
         const int rx = std::min(static_cast<int>(std::ceil(reachX)), kMostSupport),
                   ry = std::min(static_cast<int>(std::ceil(reachY)), kMostSupport);
@@ -143,11 +196,16 @@ class Projection {
                 const double dx = seen.x - (x + 0.5), dy = seen.y - (y + 0.5);
                 const double weight = (1 - std::abs(dx) / reachX) * (1 - std::abs(dy) / reachY);
                 if (std::abs(dx) >= reachX || std::abs(dy) >= reachY || weight <= 0) continue;
+                if (!traits_.isAveraged.empty() && traits_.isAveraged[seen.point]) {
+                    isAveragedNear |= isOwn(dx, dy, spacingX, spacingY);
+                    continue;
+                }
                 members.push_back({static_cast<float>(dx), static_cast<float>(dy), seen.disparity,
                                    static_cast<float>(weight), seen.point});
             }
         }
         std::sort(members.begin(), members.end());
+        return isAveragedNear;
     }
 
     /// secant: between the pixel's ray and the camera's axis; noise is along the ray.
@@ -172,6 +230,7 @@ class Projection {
     }
 
     const Scan& scan_;
+    const ScanTraits& traits_;
     const Camera& camera_;
     const Buckets& buckets_;
     const PlanarOptions& options_;
@@ -180,12 +239,13 @@ class Projection {
 
 } // namespace
 
-AngularSteps stepsOf(const Scan& scan, const glm::dvec3& copInScanner) {
-    const std::optional<ScanGrid> grid = gridOf(scan, 0.02);
-    return grid ? grid->steps : looseSteps(scan, copInScanner);
+ScanTraits traitsOf(const Scan& scan) {
+    const std::optional<ScanGrid> grid = gridOf(scan, kGridSameSurface);
+    if (!grid) return {looseSteps(scan, glm::dvec3(0)), {}};
+    return {grid->steps, findAveraged(scan, *grid)};
 }
 
-DepthImage projectToCamera(const Scan& scan, const AngularSteps& steps, const Pose& cameraFromScanner,
+DepthImage projectToCamera(const Scan& scan, const ScanTraits& traits, const Pose& cameraFromScanner,
                            const Camera& camera, const PlanarOptions& options) {
     DepthImage image;
     image.camera = camera;
@@ -193,7 +253,7 @@ DepthImage projectToCamera(const Scan& scan, const AngularSteps& steps, const Po
     image.disparity = Image<float>(camera.width, camera.height, 0.0f);
     image.flags = Image<std::uint8_t>(camera.width, camera.height, kNoSurface);
     const Buckets buckets = sortIntoPixels(scan, cameraFromScanner, camera);
-    const Projection projection(scan, steps, camera, buckets, options);
+    const Projection projection(scan, traits, camera, buckets, options);
     tbb::parallel_for(0, camera.height, [&](int y) { projection.row(y, image); });
     return image;
 }

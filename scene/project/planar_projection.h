@@ -9,13 +9,20 @@
 //             x
 //              x o o o o o
 //
-// What we changed: the pixel takes the plane through its cluster's samples (in disparity, where planes are affine)
-// instead of their weighted mean, which would be drawn to the side where more of them stand; and a pixel without a
-// sample near by takes no range, so that silhouettes before the sky do not grow by the width of the support.
+// What we changed. The pixel takes the plane through its cluster's samples (in disparity, where planes are affine)
+// instead of their weighted mean, which would be drawn to the side where more of them stand. A pixel without a sample
+// near by takes no range, so that silhouettes before the sky do not grow by the width of the support. And where a
+// silhouette runs along the scan's rows or columns, a whole line of samples is averaged alike and would be the heaviest
+// cluster of the pixels along it: the scan's grid says which samples belong to neither of their neighbours and lie
+// between them.
 
 #include "scene/depth_image.h"
 #include "scene/project/cube_layout.h"
 #include "scene/scan.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <vector>
 
 namespace scene {
 
@@ -26,13 +33,19 @@ struct PlanarOptions {
     double reach = 0.55;        ///< a pixel takes no range if no sample of its cluster is so near, in spacings
 };
 
-/// The scan's angular density about a place near the scanner, radians.
-AngularSteps stepsOf(const Scan& scan, const glm::dvec3& copInScanner);
+/// What must be known of a scan before it is projected.
+struct ScanTraits {
+    AngularSteps steps;                   ///< the scan's angular density, radians
+    std::vector<std::uint8_t> isAveraged; ///< one for each point; empty where the scan has no grid to tell by
+
+    double spacingRadians() const { return std::max(steps.horizontal, steps.vertical); }
+};
+ScanTraits traitsOf(const Scan& scan);
 
 /// What the scan says about each of the camera's pixels: disparity and, from the same samples, colour (its own, or its
 /// intensity: then kNoColour). Name and pose are left to the caller. Pixels that it says nothing about are kNoSurface.
 /// The same bytes on any number of threads.
-DepthImage projectToCamera(const Scan& scan, const AngularSteps& steps, const Pose& cameraFromScanner,
+DepthImage projectToCamera(const Scan& scan, const ScanTraits& traits, const Pose& cameraFromScanner,
                            const Camera& camera, const PlanarOptions& options = {});
 
 /// The standard deviation of range, metres, as the scan itself shows it: by how much samples leave the line between

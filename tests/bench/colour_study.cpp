@@ -77,7 +77,7 @@ void writePictures(const scene::ScanForPhotographs& scan, const scene::Photograp
     scene::Scan grey = scan.scan;
     grey.colours = scan.reflectance;
     scene::DepthImage seen = projectToCamera(
-        grey, scan.steps, inverse(photo.scannerFromGiven),
+        grey, scan.traits, inverse(photo.scannerFromGiven),
         scene::widened(photo.camera, scene::ColourToRangeOptions{}.reachRadians, 1 / photo.camera.fx), scan.planar);
     fillDropouts(seen);
     const scene::EdgeImage mine = scene::photographEdges(photo.straight.colour), theirs = scene::scanEdges(seen);
@@ -167,7 +167,7 @@ int main(int argc, char** argv) {
     for (int seed = 1; seed <= seeds; ++seed) {
         scene::SeededSequence chance(static_cast<std::uint64_t>(seed));
         // From 1 mm to 2 cm over the seeds.
-        const double noise = 0.001 * std::pow(20.0, seeds > 1 ? (seed - 1.0) / (seeds - 1.0) : 0.5);
+        const double noise = 0.001 * std::pow(20.0, seeds > 1 ? (seed * 7 % seeds) / (seeds - 1.0) : 0.5);
         scene::ScanForPhotographs before;
         std::size_t number = 0;
         for (const scene::Pose& tripod : tripods) {
