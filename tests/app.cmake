@@ -25,6 +25,11 @@ revisit_program_test(revisit_scans_program_tests WHOLE LABELS programs TIMEOUT 3
     SOURCES app/comparison.cpp app/program.cpp app/scans_test.cpp)
 target_link_libraries(revisit_scans_program_tests PRIVATE scene)
 
+# Photographs beside scans, from the simulated camera to how they lie on them.
+revisit_program_test(revisit_photographs_program_tests WHOLE LABELS programs TIMEOUT 300
+    SOURCES app/comparison.cpp app/photographs_test.cpp app/program.cpp)
+target_link_libraries(revisit_photographs_program_tests PRIVATE scene)
+
 # Instruments that are a little off.
 revisit_program_test(revisit_instruments_tests LABELS programs
     SOURCES app/comparison.cpp app/instruments_test.cpp app/program.cpp)
@@ -34,11 +39,6 @@ target_link_libraries(revisit_instruments_tests PRIVATE scene)
 revisit_program_test(revisit_chain_tests LABELS programs TIMEOUT 600
     SOURCES app/chain_test.cpp app/comparison.cpp app/program.cpp)
 target_link_libraries(revisit_chain_tests PRIVATE scene)
-
-# Photographs beside scans, from the simulated camera to how they lie on them.
-revisit_program_test(revisit_photographs_program_tests WHOLE LABELS programs TIMEOUT 300
-    SOURCES app/comparison.cpp app/photographs_test.cpp app/program.cpp)
-target_link_libraries(revisit_photographs_program_tests PRIVATE scene)
 
 # Captures of others, once and whole.
 revisit_program_test(revisit_captures_tests LABELS data programs TIMEOUT 600

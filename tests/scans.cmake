@@ -4,6 +4,7 @@ revisit_test(revisit_scan_tests LABELS unit TIMEOUT 300
         scene/import/e57_test.cpp
         scene/import/e57_damage_test.cpp
         scene/import/ptx_test.cpp
+        scene/import/scan_photos_test.cpp
         scene/import/scan_samples_test.cpp
         scene/import/written_e57.cpp
         scene/project/cube_faces_test.cpp
