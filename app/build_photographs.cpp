@@ -5,6 +5,7 @@
 
 #include "scene/camera_json.h"
 #include "scene/depth_tiff.h"
+#include "scene/errors.h"
 #include "scene/import/e57.h"
 #include "scene/import/scan_photos.h"
 #include "scene/project/photographs_on_scan.h"
@@ -27,7 +28,9 @@ using nlohmann::json;
 constexpr int kPhotographsVersion = 3;
 constexpr double kDegrees = 180 / std::numbers::pi;
 /// A turn within so many deviations is none: poses that are right stay what they are.
-constexpr double kSameDeviations = 3;
+constexpr double kSameDeviations = 2;
+
+const char* const kUnread = "cannot be read";
 
 /// What becomes of a photograph, in words.
 std::string verdictOf(const scene::ColourFit& fit, bool isMoved, bool isUsed) {
@@ -73,6 +76,26 @@ json write(const scene::PhotographForScan& photograph, const scene::ColourFit& f
             {"given_world_from_camera", scene::rowMajor(worldFromScanner * photograph.scannerFromGiven)}};
 }
 
+json describeUnread(const scene::ScanPhoto& photo, const std::string& scan, const std::string& why) {
+    const json pose = scene::rowMajor(photo.worldFromCamera);
+    return {{"name", photo.name},
+            {"scan", scan},
+            {"verdict", kUnread},
+            {"used", false},
+            {"sure", false},
+            {"why", why},
+            {"turned_deg", 0},
+            {"deviation_deg", 0},
+            {"score", 0},
+            {"rival_share", 0},
+            {"agreeing", 0},
+            {"parts", 0},
+            {"neighbours", 0},
+            {"samples", 0},
+            {"world_from_camera", pose},
+            {"given_world_from_camera", pose}};
+}
+
 /// One scan at a time: the points of a single one may fill the memory.
 json layOnTheirScan(const scene::ScanSource& source, std::span<const scene::ScanPhoto> photos,
                     const BuildOptions& options, Progress& progress, const std::filesystem::path& folder) {
@@ -82,13 +105,19 @@ json layOnTheirScan(const scene::ScanSource& source, std::span<const scene::Scan
     standWhereFound(read.scan, source);
     scene::ScanForPhotographs scan = scene::forPhotographs(std::move(read));
     std::vector<scene::PhotographForScan> photographs;
-    for (const scene::ScanPhoto& photo : photos)
-        photographs.push_back(forScan(readScanPhoto(photo), {photo.camera, photo.distortion},
-                                      scannerFromWorldInFile * photo.worldFromCamera, scan));
-    const std::vector<scene::ColourFit> fits = layOnScan(scan, photographs, [&] { progress.advance(); });
+    std::vector<const scene::ScanPhoto*> taken;
     json report = json::array();
-    for (std::size_t i = 0; i < photos.size(); ++i)
-        report.push_back(write(photographs[i], fits[i], photos[i].name, scan, options, folder));
+    for (const scene::ScanPhoto& photo : photos)
+        try {
+            photographs.push_back(forScan(readScanPhoto(photo), {photo.camera, photo.distortion},
+                                          scannerFromWorldInFile * photo.worldFromCamera, scan));
+            taken.push_back(&photo);
+        } catch (const scene::Failure& failure) { // the rest goes on
+            report.push_back(describeUnread(photo, scan.scan.name, failure.what()));
+        }
+    const std::vector<scene::ColourFit> fits = layOnScan(scan, photographs, [&] { progress.advance(); });
+    for (std::size_t i = 0; i < taken.size(); ++i)
+        report.push_back(write(photographs[i], fits[i], taken[i]->name, scan, options, folder));
     return report;
 }
 
@@ -120,6 +149,8 @@ std::string sentenceOn(const json& photo) {
     const std::string who = "Photograph '" + photo.at("name").get<std::string>() + "' of scan '" +
                             photo.at("scan").get<std::string>() + "' ";
     if (photo.at("used").get<bool>() && photo.at("sure").get<bool>()) return "";
+    if (photo.at("verdict") == kUnread)
+        return who + "is left out: it cannot be read (" + photo.at("why").get<std::string>() + ").";
     if (photo.at("used").get<bool>())
         return who + "keeps the pose the file gives it: how it is turned could not be found (" +
                photo.at("why").get<std::string>() + ").";
@@ -187,6 +218,7 @@ void colourSamples(scene::DepthImage& image, const std::vector<scene::DepthImage
                 const int u = static_cast<int>(at.x), v = static_cast<int>(at.y);
                 const bool isSamePlace =
                     glm::distance(photo.worldFromCamera.translation, image.worldFromCamera.translation) < kSamePlace;
+                if (photo.flags(u, v) & scene::kNoColour) continue; // the lens never saw there
                 const double seen = photo.disparity(u, v);
                 if (!isSamePlace && !(std::abs(seen * p.z - 1) < kSameSurface)) continue;
                 const double weight = inside * inside;

@@ -127,9 +127,7 @@ Boards findBoards(const BoardOptions& options, std::vector<BoardPicture>& pictur
     return boards;
 }
 
-} // namespace
-
-CameraCalibration calibrateCamera(const std::vector<std::filesystem::path>& pictures, const BoardOptions& options) {
+CameraCalibration calibratedBy(const std::vector<std::filesystem::path>& pictures, const BoardOptions& options) {
     CameraCalibration result;
     for (const std::filesystem::path& path : pictures)
         result.pictures.push_back({path, false, 0, 0, 0, {}});
@@ -185,6 +183,18 @@ CameraCalibration calibrateCamera(const std::vector<std::filesystem::path>& pict
     result.meanPixels /= corners;
     result.meanMetres /= corners;
     return result;
+}
+
+} // namespace
+
+CameraCalibration calibrateCamera(const std::vector<std::filesystem::path>& pictures, const BoardOptions& options) {
+    try {
+        return calibratedBy(pictures, options);
+    } catch (const cv::Exception& exception) {
+        throw Failure("cannot be calibrated from (" + std::string(exception.err) + ")",
+                      pictures.empty() ? "the pictures" : pictures.front().string() + " and the others",
+                      "leave --corner-window to itself, or take other pictures");
+    }
 }
 
 } // namespace scene

@@ -240,7 +240,8 @@ EdgeImage withoutOpenRims(const EdgeImage& edges, const DepthImage& scan) {
 EdgeLevel blurredEdges(const EdgeImage& edges, double sigmaPixels) {
     EdgeLevel level;
     level.sigmaPixels = sigmaPixels;
-    level.pixelsPerPixel = std::max(1, static_cast<int>(sigmaPixels / 2));
+    level.pixelsPerPixel =
+        std::clamp(static_cast<int>(sigmaPixels / 2), 1, std::max(1, std::min(edges.width(), edges.height())));
     cv::Mat3f picture = matOf(edges), fine, broad;
     if (level.pixelsPerPixel > 1) {
         cv::Mat3f small;

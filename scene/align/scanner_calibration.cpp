@@ -21,6 +21,9 @@ constexpr double kRobustDeviations = 2.0;
 constexpr int kLeastSamples = 200;                   ///< of a plane and face: fewer say nothing that noise does not
 constexpr double kLeastArea = 0.3;                   ///< square metres; small things are seldom as plane as they look
 constexpr double kUsualNoise = 0.006, kMostMore = 6; ///< metres; times the samples of usual scans
+constexpr std::size_t kLeastPlanes = 8;
+/// Range along glancing surfaces is no straight line within a position of the encoder: what samples do not tell of.
+constexpr double kSystematicMetres = 0.002;
 constexpr int kConstants = 4;
 
 using Numbers = std::array<double, kConstants>;
@@ -226,10 +229,11 @@ Numbers deviationsOf(const Sightings& sightings, const Numbers& constants) {
 }
 
 std::string whatIsLacking(const ScannerConstants<double>& d) {
-    if (d.panStepsPerHalfTurn > kMostStepsDeviation) return "the steps of the pan unit cannot be told";
-    if (d.mirrorRadians > kMostMirrorDeviation) return "the mirror's angle cannot be told";
-    if (d.horizonPosition > kMostHorizonDeviation) return "the encoder's horizon cannot be told";
-    if (d.mirrorMetres > kMostMetresDeviation) return "the distance to the mirror cannot be told";
+    // Written so that what is no number is not found either.
+    if (!(d.panStepsPerHalfTurn <= kMostStepsDeviation)) return "the steps of the pan unit cannot be told";
+    if (!(d.mirrorRadians <= kMostMirrorDeviation)) return "the mirror's angle cannot be told";
+    if (!(d.horizonPosition <= kMostHorizonDeviation)) return "the encoder's horizon cannot be told";
+    if (!(d.mirrorMetres <= kMostMetresDeviation)) return "the distance to the mirror cannot be told";
     return {};
 }
 
@@ -249,9 +253,9 @@ ScannerCalibration calibrateScanner(std::size_t scans, const std::function<Scan(
             if (pass > 0) readAnew(scan, records, constantsOf(constants));
             addSightings(scan, records, pass == 0, static_cast<std::size_t>(options.mostSamples) / scans, sightings);
         }
-        if (sightings.planes.size() < 3) {
+        if (sightings.planes.size() < kLeastPlanes) {
             result.constants = believed;
-            result.why = "fewer than three planes were seen by both halves of the mirror's turn";
+            result.why = "fewer than eight planes were seen by both halves of the mirror's turn";
             return result;
         }
         if (pass == 0) result.rmsBeforeMetres = rmsOf(believed, sightings);
@@ -259,10 +263,12 @@ ScannerCalibration calibrateScanner(std::size_t scans, const std::function<Scan(
     }
     result.constants = constantsOf(constants);
     result.deviations = constantsOf(deviationsOf(sightings, constants));
+    result.deviations.mirrorMetres = std::hypot(result.deviations.mirrorMetres, kSystematicMetres);
     result.planes = static_cast<int>(sightings.planes.size());
     result.samples = std::ssize(sightings.taken);
     result.rmsAfterMetres = rmsOf(result.constants, sightings);
     result.why = whatIsLacking(result.deviations);
+    if (!(result.rmsAfterMetres <= result.rmsBeforeMetres)) result.why = "what was seen fits no constants better";
     if (!result.why.empty()) {
         result.why += ": walls about the scanner must be seen by both halves of the mirror's turn";
         result.constants = believed;

@@ -197,7 +197,7 @@ Image<Rgb8> readE57Image(const E57Image& image) {
     const std::vector<std::uint8_t> bytes = readE57ImageBytes(image);
     cv::Mat bgr;
     try {
-        if (!bytes.empty()) bgr = cv::imdecode(bytes, cv::IMREAD_COLOR);
+        if (!bytes.empty()) bgr = cv::imdecode(bytes, cv::IMREAD_COLOR | cv::IMREAD_IGNORE_ORIENTATION);
     } catch (const cv::Exception&) {
         bgr.release(); // told below, as any other picture that cannot be decoded
     }

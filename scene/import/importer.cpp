@@ -1,5 +1,6 @@
 #include "scene/import/importer.h"
 
+#include "scene/cube.h"
 #include "scene/errors.h"
 #include "scene/import/e57.h"
 #include "scene/import/polygons.h"
@@ -124,6 +125,9 @@ Capture openCapture(std::span<const std::filesystem::path> inputs) {
     std::unordered_set<std::string> taken;
     makeNamesUnique(capture.photos, taken);
     makeNamesUnique(capture.scans, taken);
+    for (const ScanSource& scan : capture.scans)
+        for (const char* const face : kFaceNames) // the images that scans become
+            taken.insert(scan.name + "-" + face);
     makeNamesUnique(capture.scanPhotos, taken);
     return capture;
 }

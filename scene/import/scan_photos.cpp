@@ -48,13 +48,28 @@ struct Unused {
     }
 };
 
+/// Some files give millimetres for metres: what comes of it is no camera that anybody has.
+bool isPlausible(const Camera& camera) {
+    constexpr double kNarrowest = 0.009, kWidest = 23; // width over focal length: 0.5 and 170 degrees
+    const double across = camera.width / camera.fx, down = camera.height / camera.fy;
+    return std::min(across, down) >= kNarrowest && std::max(across, down) <= kWidest;
+}
+
+/// A photograph that cannot be read must not take the scans with it.
+std::vector<E57Image> imagesOf(const std::filesystem::path& path, std::vector<std::string>& remarks) {
+    try {
+        return listE57Images(path);
+    } catch (const Failure& failure) {
+        remarks.push_back(std::string(failure.what()) + "; its photographs are not used.");
+        return {};
+    }
+}
+
 std::optional<std::size_t> findScanOf(const E57Image& image, std::span<const ScanSource> scans) {
-    if (image.scanInFile)
-        for (std::size_t i = 0; i < scans.size(); ++i)
-            if (scans[i].indexInFile == *image.scanInFile) return i;
     std::optional<std::size_t> nearest;
     double least = kBesideMetres;
     for (std::size_t i = 0; i < scans.size(); ++i) {
+        if (image.scanInFile && scans[i].indexInFile != *image.scanInFile) continue;
         const double metres = glm::distance(scans[i].worldFromScanner.translation, image.worldFromCamera.translation);
         if (metres <= least) least = metres, nearest = i;
     }
@@ -69,7 +84,7 @@ std::vector<ScanPhoto> listScanPhotos(const std::filesystem::path& path, std::sp
     std::array<Unused, 4> otherKinds;
     Unused poseless, cameraless, alone;
     std::vector<bool> hasPhoto(scans.size(), false);
-    for (const E57Image& image : listE57Images(path)) {
+    for (const E57Image& image : imagesOf(path, remarks)) {
         if (image.kind != E57ImageKind::pinhole) {
             otherKinds[static_cast<std::size_t>(image.kind)].add(image.name);
             continue;
@@ -78,7 +93,7 @@ std::vector<ScanPhoto> listScanPhotos(const std::filesystem::path& path, std::sp
             poseless.add(image.name);
             continue;
         }
-        if (!isUsable(image.camera)) {
+        if (!isUsable(image.camera) || !isPlausible(image.camera)) {
             cameraless.add(image.name);
             continue;
         }

@@ -8,9 +8,9 @@
 
 namespace scene {
 
-/// Pinholes with a pose that belong to a scan: the one they name, else the one that stands nearest, if it stands within
-/// kBesideMetres. scans: those of the same file, the first of which is capture.scans[firstScan]. Of what cannot be used
-/// remarks gets a sentence for each kind, and of scans without a photograph, if others have some. Failure: as listE57.
+/// Pinholes with a pose that belong to a scan: the one they name, else the one that stands nearest; either must stand
+/// within kBesideMetres. scans: those of the same file, the first of which is capture.scans[firstScan]. Of what cannot
+/// be used remarks gets a sentence for each kind, and of scans without a photograph, if others have some.
 std::vector<ScanPhoto> listScanPhotos(const std::filesystem::path& path, std::span<const ScanSource> scans,
                                       std::size_t firstScan, std::vector<std::string>& remarks);
 

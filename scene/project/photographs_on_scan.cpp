@@ -73,7 +73,7 @@ DepthImage withRange(const ScanForPhotographs& scan, const PhotographForScan& ph
     fillDropouts(image, dropouts);
     for (std::size_t i = 0; i < image.flags.size(); ++i)
         if (!photograph.straight.isSeen.pixels()[i])
-            image.flags.pixels()[i] = kNoSurface, image.disparity.pixels()[i] = 0;
+            image.flags.pixels()[i] = kNoSurface | kNoColour, image.disparity.pixels()[i] = 0;
     return image;
 }
 

@@ -68,7 +68,7 @@ TEST(ScannerCalibration, HalfATurnHoldsThemLessExactlyAndSaysSo) {
 TEST(ScannerCalibration, OnePlaneIsRefused) {
     const SyntheticScene field = BoxPlace().add({-50, -50, -1}, {50, 50, 0}).build();
     const ScannerCalibration found = calibrated({scanOf(field, setUpAt({0, 0, 1.5}, 2), 2, 360)});
-    EXPECT_THAT(found.why, HasSubstr("three planes"));
+    EXPECT_THAT(found.why, HasSubstr("eight planes"));
     EXPECT_EQ(found.constants.panStepsPerHalfTurn, 14000);
 }
 
