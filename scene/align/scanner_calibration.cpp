@@ -21,7 +21,7 @@ constexpr double kRobustDeviations = 2.0;
 constexpr int kLeastSamples = 200;                   ///< of a plane and face: fewer say nothing that noise does not
 constexpr double kLeastArea = 0.3;                   ///< square metres; small things are seldom as plane as they look
 constexpr double kUsualNoise = 0.006, kMostMore = 6; ///< metres; times the samples of usual scans
-constexpr std::size_t kLeastPlanes = 8;
+constexpr std::size_t kLeastPlanes = 6;
 /// Range along glancing surfaces is no straight line within a position of the encoder: what samples do not tell of.
 constexpr double kSystematicMetres = 0.002;
 constexpr int kConstants = 4;
@@ -255,7 +255,7 @@ ScannerCalibration calibrateScanner(std::size_t scans, const std::function<Scan(
         }
         if (sightings.planes.size() < kLeastPlanes) {
             result.constants = believed;
-            result.why = "fewer than eight planes were seen by both halves of the mirror's turn";
+            result.why = "fewer than six planes were seen by both halves of the mirror's turn";
             return result;
         }
         if (pass == 0) result.rmsBeforeMetres = rmsOf(believed, sightings);

@@ -7,7 +7,7 @@
 // turn between, and a wrong distance bends every plane that is seen at several angles. So all samples of each plane, of
 // both faces, are laid on one plane, and the constants adjusted with the planes: least squares with a robust loss
 // (Ceres), through the very function that reads records. A scan of half a turn takes nothing twice but what reaches
-// from one face's half into the other's, floors above all: it holds the constants, too, ten times less exactly.
+// from one face's half into the other's, floors above all: several such scans hold the constants, too, less exactly.
 
 #include "scene/align/scanner_records.h"
 

@@ -75,7 +75,7 @@ TEST_F(Instruments, FilesThatAreNoneAreRefusedInOneLine) {
         {{"build", scans, "-o", out, "--scanner", path("empty.json")}, "has no \"believed\" constants"},
         {{"build", scans, "-o", out, "--scanner", path("odd.json")}, "has no \"mirror_deg\" that a scanner could have"},
         {{"build", scans, "-o", out, "--scanner", path("nowhere.json")}, "no such file"},
-        {{"calibrate", "scanner", scans, "-o", path("x.json")}, "fewer than eight planes"},
+        {{"calibrate", "scanner", scans, "-o", path("x.json")}, "fewer than six planes"},
         {{"calibrate", "camera", path("nowhere"), "-o", path("c.json")}, "is not there"},
         {{"calibrate", "camera", path("empty.json"), "-o", path("c.json")}, "cannot be read as a picture"},
     };
