@@ -61,9 +61,11 @@ json evenPhotographs(PhotographStage& photographs, const BuildOptions& options, 
     return report;
 }
 
-json evenImages(ImportedImages& imported, const Overlaps& overlaps, const BuildOptions& options, StageStore& store) {
+json evenImages(ImportedImages& imported, const Overlaps& overlaps, const BuildOptions& options, StageStore& store,
+                double spentStops) {
     if (!options.evenColour) return nullptr;
-    const scene::ColourEveningOptions o;
+    scene::ColourEveningOptions o;
+    o.mostStops = std::max(o.mostStops - spentStops, 0.0);
     const std::string key =
         keyOf({kEvenVersion, imported.key, o.maxPartners, o.samplesPerPair, o.leastSamples, o.priorStops, o.mostStops,
                o.leastChange, o.comparison.sameSurface, o.comparison.pixelError});

@@ -60,7 +60,9 @@ void buildScene(const BuildOptions& options) {
     ImportedImages imported = capture.polygons.empty() ? importImages(capture, heldOut, photographs, options, store)
                                                        : capturePolygons(capture, options, store);
     const Overlaps overlaps = findOverlaps(imported, options);
-    reports.evening = evenImages(imported, overlaps, options, store);
+    const double spentStops =
+        reports.photographEvening.is_null() ? 0 : reports.photographEvening.at("most_stops").get<double>();
+    reports.evening = evenImages(imported, overlaps, options, store, spentStops);
     const SkinStage skins = markSkins(imported, overlaps, options, store);
     const KeepStage kept = keepBest(imported, overlaps, skins, options, store);
     const TileStage tiles = fuseAndCut(imported, overlaps, skins, kept, options, store);

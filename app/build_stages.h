@@ -87,8 +87,9 @@ KeepStage keepBest(const ImportedImages& imported, const Overlaps& overlaps, con
 /// refine, before its first part, where asked for: images' exposure and white balance made even. Puts the changed
 /// images in place of the imported ones. Returns the report that scene.json and info have; null where nothing was
 /// asked.
+/// spentStops: by which some were brightened before; what is done now keeps within the rest.
 nlohmann::json evenImages(ImportedImages& imported, const Overlaps& overlaps, const BuildOptions& options,
-                          StageStore& store);
+                          StageStore& store, double spentStops = 0);
 
 /// The same of the photographs beside scans, before the scans' samples take their colours from them: what is mixed of
 /// uneven pictures no factor makes even.
