@@ -100,7 +100,7 @@ TEST_F(Chain, FromRawScansAndPhotographsCostsNoMoreThanOneAndAHalfDecibels) {
     const auto sample = [&](const std::string& name, const std::vector<std::string>& faults) {
         std::vector<std::string> command{kMakeSample,     path(name), "--scene",           "room",   "--scanner",
                                          "--scans",       "2",        "--density",         "5",      "--no-colour",
-                                         "--photographs", "8",        "--photograph-size", "480x360"};
+                                         "--photographs", "7",        "--photograph-size", "400x300"};
         command.insert(command.end(), faults.begin(), faults.end());
         must(command);
     };
