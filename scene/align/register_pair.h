@@ -37,7 +37,7 @@ struct PairOptions {
     double leastOverlap = 0.12; ///< of what either saw
     /// Of PoseEvidence::againstShare. True poses of simulated scans have less than 0.0025, wrong ones more than 0.004;
     /// where somebody says that the scans stand about so, people who walked by may have left traces.
-    double mostAgainstShare = 0.003, mostAgainstShareGiven = 0.02;
+    double mostAgainstShare = 0.002, mostAgainstShareGiven = 0.02;
     /// A second pose makes the pair ambiguous if it has no more than this against it.
     double mostAgainstShareRival = 0.004;
     int leastSharedPlanes = 3;

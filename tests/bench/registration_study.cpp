@@ -1,7 +1,7 @@
 // How often scans are registered, never wrongly, and how exactly: simulated scans from unknown poses, over many seeds.
 // Each seed has tripods of its own, turned any way and tilted by a degree, and noise of its own.
 //
-//   revisit_registration_study OUT.json room|corner|corridor SEEDS [SAMPLES_PER_DEGREE [NOISE_MM [SCANS]]]
+//   revisit_registration_study OUT.json room|corner|corridor SEEDS [SAMPLES_PER_DEGREE [NOISE_MM [SCANS [FIRST_SEED]]]]
 
 #include "scene/align/registration.h"
 #include "scene/capture/simulated_scan.h"
@@ -57,7 +57,7 @@ int main(int argc, char** argv) {
     const auto synthetic = argc < 4 ? std::nullopt : scene::makeSyntheticScene(argv[2]);
     if (!synthetic) {
         std::fprintf(stderr, "usage: revisit_registration_study OUT.json room|corner|corridor SEEDS "
-                             "[SAMPLES_PER_DEGREE [NOISE_MM [SCANS]]]\n");
+                             "[SAMPLES_PER_DEGREE [NOISE_MM [SCANS [FIRST_SEED]]]]\n");
         return 2;
     }
     const int seeds = std::atoi(argv[3]);
@@ -69,7 +69,8 @@ int main(int argc, char** argv) {
     std::vector<double> degrees, metres, seconds;
     int registered = 0, left = 0, wrong = 0;
     json runs = json::array();
-    for (int seed = 1; seed <= seeds; ++seed) {
+    const int firstSeed = argc > 7 ? std::atoi(argv[7]) : 1;
+    for (int seed = firstSeed; seed < firstSeed + seeds; ++seed) {
         scene::SeededSequence chance(static_cast<std::uint64_t>(seed));
         std::vector<scene::ScanView> views;
         std::vector<scene::Pose> truth;
@@ -114,6 +115,15 @@ int main(int argc, char** argv) {
                         1e3 * scan.deviation.metres, isWrong ? " WRONG" : "");
         }
         std::printf("\n");
+        for (const scene::PairOutcome& pair : found.pairs) {
+            const scene::PairFit& best = pair.result.best;
+            const Error error = errorOf(best.aFromB, inverse(truth[pair.a]) * truth[pair.b]);
+            std::printf(
+                "    %zu, %zu: verdict %d, %s, %.1f %% agree, %.3f %% against, %d plausible, off by %.3f deg %.0f mm\n",
+                pair.a + 1, pair.b + 1, static_cast<int>(pair.result.verdict), pair.isUsed ? "used" : "not used",
+                100 * best.evidence.agreeing, 100 * best.evidence.againstShare(),
+                static_cast<int>(pair.result.plausible), error.degrees, 1e3 * error.metres);
+        }
         std::fflush(stdout);
         runs.push_back(scans);
     }
