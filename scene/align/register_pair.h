@@ -35,7 +35,8 @@ enum class PairVerdict {
 struct PairOptions {
     CandidateOptions candidates;
     double leastOverlap = 0.12; ///< of what either saw
-    /// Of PoseEvidence::againstShare. True poses of simulated scans have less than 0.0025, wrong ones more than 0.004;
+    /// Of PoseEvidence::againstShare. True poses of simulated scans seldom have more than 0.002, wrong ones more than
+    /// 0.004, but in corridors once 0.0026: better one pose too few than one that is wrong;
     /// where somebody says that the scans stand about so, people who walked by may have left traces.
     double mostAgainstShare = 0.002, mostAgainstShareGiven = 0.02;
     /// A second pose makes the pair ambiguous if it has no more than this against it.
