@@ -4,6 +4,7 @@
 #include "scene/pose.h"
 
 #include "tests/app/comparison.h"
+#include "tests/app/pose_json.h"
 #include "tests/app/program.h"
 #include "tests/scene/scratch_folder.h"
 
@@ -85,15 +86,6 @@ class Chain : public testing::Test {
   private:
     scene::ScratchFolder scratch_;
 };
-
-scene::Pose poseOf(const json& rows) {
-    glm::dmat4 matrix(1);
-    for (int i = 0; i < 16; ++i)
-        matrix[i % 4][i / 4] = rows.at(static_cast<std::size_t>(i)).get<double>();
-    scene::Pose pose;
-    EXPECT_TRUE(poseFromMatrix(matrix, 1e-6, pose));
-    return pose;
-}
 
 TEST_F(Chain, FromRawScansAndPhotographsCostsNoMoreThanOneAndAHalfDecibels) {
     must({kMakeSample, path("truth"), "--scene", "room", "--images", "6", "--size", "320x240", "--samples", "4"});

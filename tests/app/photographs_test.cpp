@@ -5,6 +5,7 @@
 #include "scene/pose.h"
 
 #include "tests/app/comparison.h"
+#include "tests/app/pose_json.h"
 #include "tests/app/program.h"
 #include "tests/scene/scratch_folder.h"
 
@@ -24,15 +25,6 @@ using testing::HasSubstr;
 using testing::Not;
 
 const std::string kRevisit = REVISIT_PROGRAM, kMakeSample = REVISIT_MAKE_SAMPLE;
-
-scene::Pose poseOf(const json& rows) {
-    glm::dmat4 matrix(1);
-    for (int i = 0; i < 16; ++i)
-        matrix[i % 4][i / 4] = rows.at(static_cast<std::size_t>(i)).get<double>();
-    scene::Pose pose;
-    EXPECT_TRUE(poseFromMatrix(matrix, 1e-6, pose));
-    return pose;
-}
 
 double degreesBetween(const scene::Pose& a, const scene::Pose& b) {
     return std::acos(std::clamp(scene::cosineBetween(a.rotation, b.rotation), -1.0, 1.0)) * 57.29577951308232;

@@ -3,6 +3,7 @@
 #include "scene/pose.h"
 
 #include "tests/app/comparison.h"
+#include "tests/app/pose_json.h"
 #include "tests/app/program.h"
 #include "tests/scene/scratch_folder.h"
 
@@ -23,15 +24,6 @@ using testing::HasSubstr;
 using testing::Not;
 
 const std::string kRevisit = REVISIT_PROGRAM, kMakeSample = REVISIT_MAKE_SAMPLE;
-
-scene::Pose poseOf(const json& rows) {
-    glm::dmat4 matrix(1);
-    for (int i = 0; i < 16; ++i)
-        matrix[i % 4][i / 4] = rows.at(static_cast<std::size_t>(i)).get<double>();
-    scene::Pose pose;
-    EXPECT_TRUE(poseFromMatrix(matrix, 1e-6, pose));
-    return pose;
-}
 
 /// Two scans of the room that nobody said where they stood, made once.
 class Scans : public testing::Test {
