@@ -68,11 +68,14 @@ void writeFaces(const scene::ScanSource& source, const ScanPhotographs& photogra
     const scene::Scan scan = readScan(source);
     scene::CubeFaces faces = scene::projectToCubeFaces(scan, options);
     if (!scan.hasColour && !photographs.images.empty()) {
-        std::vector<scene::DepthImage> pictures;
-        for (const scene::StoredImage& photograph : photographs.images)
-            pictures.push_back(scene::readDepthTiff(photograph.file));
-        for (scene::DepthImage& face : faces.faces)
-            colourSamples(face, pictures);
+        std::vector<SampleColours> colours(faces.faces.begin(), faces.faces.end());
+        for (const scene::StoredImage& photograph : photographs.images) {
+            const scene::DepthImage picture = scene::readDepthTiff(photograph.file);
+            for (SampleColours& face : colours)
+                face.take(picture);
+        }
+        for (SampleColours& face : colours)
+            face.give();
     }
     json names = json::array();
     for (const scene::DepthImage& face : faces.faces) {

@@ -25,7 +25,7 @@ namespace {
 using nlohmann::json;
 
 /// Changed whenever what the stage computes changes, so that results of older versions are not taken for new ones.
-constexpr int kPhotographsVersion = 3;
+constexpr int kPhotographsVersion = 4;
 constexpr double kDegrees = 180 / std::numbers::pi;
 /// A turn within so many deviations is none: poses that are right stay what they are.
 constexpr double kSameDeviations = 2;
@@ -96,7 +96,8 @@ json describeUnread(const scene::ScanPhoto& photo, const std::string& scan, cons
             {"given_world_from_camera", pose}};
 }
 
-/// One scan at a time: the points of a single one may fill the memory.
+/// One scan at a time, and one photograph: the points of a single one may fill the memory. So photographs are read
+/// twice, to find how they are turned and to be given their range.
 json layOnTheirScan(const scene::ScanSource& source, std::span<const scene::ScanPhoto> photos,
                     const BuildOptions& options, Progress& progress, const std::filesystem::path& folder) {
     scene::ScanWithIntensity read = scene::readE57ScanWithIntensity(source);
@@ -104,20 +105,25 @@ json layOnTheirScan(const scene::ScanSource& source, std::span<const scene::Scan
     const scene::Pose scannerFromWorldInFile = inverse(read.scan.worldFromScanner);
     standWhereFound(read.scan, source);
     scene::ScanForPhotographs scan = scene::forPhotographs(std::move(read));
-    std::vector<scene::PhotographForScan> photographs;
+    const auto laidOut = [&](const scene::ScanPhoto& photo) {
+        return forScan(readScanPhoto(photo), {photo.camera, photo.distortion},
+                       scannerFromWorldInFile * photo.worldFromCamera, scan);
+    };
+    scene::PhotographsOnScan onScan(scan);
     std::vector<const scene::ScanPhoto*> taken;
     json report = json::array();
-    for (const scene::ScanPhoto& photo : photos)
+    for (const scene::ScanPhoto& photo : photos) {
         try {
-            photographs.push_back(forScan(readScanPhoto(photo), {photo.camera, photo.distortion},
-                                          scannerFromWorldInFile * photo.worldFromCamera, scan));
+            onScan.add(laidOut(photo));
             taken.push_back(&photo);
         } catch (const scene::Failure& failure) { // the rest goes on
             report.push_back(describeUnread(photo, scan.scan.name, failure.what()));
         }
-    const std::vector<scene::ColourFit> fits = layOnScan(scan, photographs, [&] { progress.advance(); });
+        progress.advance();
+    }
+    const std::vector<scene::ColourFit> fits = onScan.fits();
     for (std::size_t i = 0; i < taken.size(); ++i)
-        report.push_back(write(photographs[i], fits[i], taken[i]->name, scan, options, folder));
+        report.push_back(write(laidOut(*taken[i]), fits[i], taken[i]->name, scan, options, folder));
     return report;
 }
 
@@ -197,41 +203,43 @@ PhotographStage layPhotographs(scene::Capture& capture, const BuildOptions& opti
     return stage;
 }
 
-void colourSamples(scene::DepthImage& image, const std::vector<scene::DepthImage>& photographs) {
+void SampleColours::take(const scene::DepthImage& photo) {
     constexpr double kSamePlace = 0.005;  ///< metres: from here all is seen that the image sees
     constexpr double kSameSurface = 0.03; ///< relative difference of disparity
-    tbb::parallel_for(0, image.camera.height, [&](int y) {
-        for (int x = 0; x < image.camera.width; ++x) {
-            std::uint8_t& flags = image.flags(x, y);
-            if (!scene::isSurface(flags) || !(flags & scene::kNoColour) || !(image.disparity(x, y) > 0)) continue;
-            const glm::dvec3 world = image.worldFromCamera * (rayThrough(image.camera, x + 0.5, y + 0.5) /
-                                                              static_cast<double>(image.disparity(x, y)));
-            glm::dvec3 sum(0);
-            double weights = 0;
-            for (const scene::DepthImage& photo : photographs) {
-                const glm::dvec3 p = inverse(photo.worldFromCamera) * world;
-                if (!(p.z > 0)) continue;
-                const glm::dvec2 at = project(photo.camera, p);
-                const double inside =
-                    std::min(std::min(at.x, photo.camera.width - at.x), std::min(at.y, photo.camera.height - at.y));
-                if (!(inside >= 1)) continue;
-                const int u = static_cast<int>(at.x), v = static_cast<int>(at.y);
-                const bool isSamePlace =
-                    glm::distance(photo.worldFromCamera.translation, image.worldFromCamera.translation) < kSamePlace;
-                if (photo.flags(u, v) & scene::kNoColour) continue; // the lens never saw there
-                const double seen = photo.disparity(u, v);
-                if (!isSamePlace && !(std::abs(seen * p.z - 1) < kSameSurface)) continue;
-                const double weight = inside * inside;
-                const scene::Rgb8& c = photo.colour(u, v);
-                sum += weight * glm::dvec3(c.r, c.g, c.b);
-                weights += weight;
-            }
-            if (!(weights > 0)) continue;
-            const auto byte = [&](double value) { return static_cast<std::uint8_t>(std::lround(value / weights)); };
-            image.colour(x, y) = {byte(sum.x), byte(sum.y), byte(sum.z)};
-            flags = static_cast<std::uint8_t>(flags & ~scene::kNoColour);
+    const bool isSamePlace =
+        glm::distance(photo.worldFromCamera.translation, image_.worldFromCamera.translation) < kSamePlace;
+    const scene::Pose photoFromWorld = inverse(photo.worldFromCamera);
+    tbb::parallel_for(0, image_.camera.height, [&](int y) {
+        for (int x = 0; x < image_.camera.width; ++x) {
+            const std::uint8_t flags = image_.flags(x, y);
+            if (!scene::isSurface(flags) || !(flags & scene::kNoColour) || !(image_.disparity(x, y) > 0)) continue;
+            const glm::dvec3 world = image_.worldFromCamera * (rayThrough(image_.camera, x + 0.5, y + 0.5) /
+                                                               static_cast<double>(image_.disparity(x, y)));
+            const glm::dvec3 p = photoFromWorld * world;
+            if (!(p.z > 0)) continue;
+            const glm::dvec2 at = project(photo.camera, p);
+            const double inside =
+                std::min(std::min(at.x, photo.camera.width - at.x), std::min(at.y, photo.camera.height - at.y));
+            if (!(inside >= 1)) continue;
+            const int u = static_cast<int>(at.x), v = static_cast<int>(at.y);
+            if (photo.flags(u, v) & scene::kNoColour) continue; // the lens never saw there
+            const double seen = static_cast<double>(photo.disparity(u, v));
+            if (!isSamePlace && !(std::abs(seen * p.z - 1) < kSameSurface)) continue;
+            const scene::Rgb8& c = photo.colour(u, v);
+            sums_(x, y) += static_cast<float>(inside * inside) * glm::vec4(c.r, c.g, c.b, 1);
         }
     });
+}
+
+void SampleColours::give() {
+    for (std::size_t i = 0; i < sums_.size(); ++i) {
+        const glm::vec4& sum = sums_.pixels()[i];
+        if (!(sum.w > 0)) continue;
+        const auto byte = [&](float value) { return static_cast<std::uint8_t>(std::lround(value / sum.w)); };
+        image_.colour.pixels()[i] = {byte(sum.x), byte(sum.y), byte(sum.z)};
+        std::uint8_t& flags = image_.flags.pixels()[i];
+        flags = static_cast<std::uint8_t>(flags & ~scene::kNoColour);
+    }
 }
 
 } // namespace app

@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include <glm/vec4.hpp>
 #include <nlohmann/json.hpp>
 
 namespace app {
@@ -31,7 +32,20 @@ struct PhotographStage {
 PhotographStage layPhotographs(scene::Capture& capture, const BuildOptions& options, StageStore& store);
 
 /// Gives samples without colour that of the photographs which see them: the mean of all, each counting by how far
-/// inside its picture the sample is seen. Photographs from beside the image's place must see the sample's surface.
-void colourSamples(scene::DepthImage& image, const std::vector<scene::DepthImage>& photographs);
+/// inside its picture the sample is seen. Photographs from beside the image's place must see the sample's surface. One
+/// after another, so that only one need be in memory.
+class SampleColours {
+  public:
+    /// Lends the image.
+    explicit SampleColours(scene::DepthImage& image)
+        : image_(image), sums_(image.camera.width, image.camera.height, glm::vec4(0)) {}
+
+    void take(const scene::DepthImage& photograph);
+    void give();
+
+  private:
+    scene::DepthImage& image_;
+    scene::Image<glm::vec4> sums_; ///< of colours and, last, of their weights
+};
 
 } // namespace app

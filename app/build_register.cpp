@@ -64,7 +64,7 @@ json describe(const std::vector<scene::ScanView>& views, const scene::Registrati
                          {"deviation_m", best.deviation.metres},
                          {"deviation_deg", best.deviation.radians * kDegrees},
                          {"shared_planes", best.matches.size()},
-                         {"plausible_poses", pair.result.plausible}});
+                         {"plausible_poses", pair.result.plausible.size()}});
     }
     return {{"scans", scans}, {"pairs", pairs}, {"rms_m", registration.rmsMetres}, {"remarks", registration.remarks}};
 }

@@ -9,6 +9,10 @@ revisit_test(revisit_board_tests LABELS unit TIMEOUT 300
     SOURCES scene/align/camera_calibration_test.cpp)
 target_include_directories(revisit_board_tests SYSTEM PRIVATE ${OpenCV_INCLUDE_DIRS})
 
+# Photographs against each other.
+revisit_test(revisit_turn_tests LABELS unit LINKS scene_align Eigen3::Eigen
+    SOURCES scene/align/neighbour_turn_test.cpp scene/align/turn_network_test.cpp)
+
 # Photographs laid on scans, and what scattered samples become in a camera.
 revisit_test(revisit_photographs_tests LABELS scenes TIMEOUT 300 WHOLE LINKS scene_capture scene_project TBB::tbb
     SOURCES scene/align/colour_to_range_test.cpp scene/project/planar_projection_test.cpp)

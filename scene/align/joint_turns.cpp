@@ -1,6 +1,7 @@
 #include "scene/align/joint_turns.h"
 
-#include "scene/align/turn_search.h"
+#include "scene/align/neighbour_turn.h"
+#include "scene/align/turn_network.h"
 
 #include <algorithm>
 #include <cmath>
@@ -19,24 +20,21 @@ namespace {
 constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kSamePlaceMetres = 0.003; ///< from farther apart near things would be seen to shift
 constexpr double kInside = 0.04;           ///< of the neighbour's width: edges so near to its rim are left out
-constexpr int kLeastRays = 150;            ///< that two photographs must share
+constexpr int kLeastRays = 150;            ///< that two photographs must share to be searched for each other
+constexpr std::size_t kMostTops = 4;       ///< of that search, which are looked at closely
 /// What deviations never fall below: lenses that are not quite known, and edges that light draws.
-constexpr double kLeastOwn = 0.004 * kDegree, kLeastPair = 0.004 * kDegree;
-constexpr double kMostRivalShare = 0.7; ///< a strip that two share is less than a picture
-constexpr int kLeastNeighbours = 2;     ///< that must agree on where one stands that its scan could not place
-constexpr double kContradicts = 25;     ///< squared deviations, of three axes together
+constexpr double kLeastOwn = 0.004 * kDegree, kLeastPair = 0.002 * kDegree;
+constexpr int kLeastNeighbours = 2; ///< that must agree on where one stands that its scan could not place
 constexpr int kMostRays = 3000;
-
-/// The edges of a photograph.
-struct Edges {
-    std::vector<EdgePoint> points;
-    std::vector<EdgeLevel> levels;
-};
-
-Edges edgesOf(const PhotographOnScan& photograph) {
-    const EdgeImage edges = textureEdges(*photograph.picture);
-    return {edgePoints(edges, 16, 12, kMostRays / 100), edgeLevels(edges, edges, 1 / photograph.camera.fx)};
-}
+/// Of greys: of a pair that is believed, of its parts; that a second top may have of the first one's.
+constexpr double kLeastCorrelation = 0.5, kLeastAgreeing = 0.7, kMostRivalShare = 0.8;
+/// Of a pair that is believed alone.
+constexpr double kPlainCorrelation = 0.7, kPlainAgreeing = 0.8;
+constexpr int kLeastParts = 4, kPlainParts = 6;
+constexpr double kLeastOverlap = 0.03; ///< of a picture
+/// Share of photographs that hang together which the scan itself must place: one that is by chance must not place all.
+constexpr double kLeastAnchors = 0.25;
+constexpr double kSameTurn = 0.1 * kDegree;
 
 Eigen::Matrix3d eigenOf(const glm::dmat3& m) {
     Eigen::Matrix3d e;
@@ -45,8 +43,9 @@ Eigen::Matrix3d eigenOf(const glm::dmat3& m) {
     return e;
 }
 
-/// The edges of a as b sees them; parts are those of what they share. bFromA turns directions.
-PartRays raysInto(const Edges& a, const Camera& cameraA, const Camera& cameraB, const glm::dmat3& bFromA) {
+/// The edges of a as b sees them; parts are those of what they share.
+PartRays raysInto(const std::vector<EdgePoint>& points, const Camera& cameraA, const Camera& cameraB,
+                  const glm::dmat3& bFromA) {
     struct Shared {
         glm::dvec2 at{0.0};
         EdgeRay ray;
@@ -54,7 +53,7 @@ PartRays raysInto(const Edges& a, const Camera& cameraA, const Camera& cameraB, 
     std::vector<Shared> shared;
     glm::dvec2 low(1e9), high(-1e9);
     const double rim = kInside * cameraB.width;
-    for (const EdgePoint& point : a.points) {
+    for (const EdgePoint& point : points) {
         // The normal's angle there: of the line through both neighbours along the edge.
         const double half = 0.5 * std::atan2(point.sine, point.cosine);
         const glm::dvec2 along(-std::sin(half), std::cos(half));
@@ -89,157 +88,184 @@ PartRays raysInto(const Edges& a, const Camera& cameraA, const Camera& cameraB, 
     return parts;
 }
 
-/// How a stands to b: turn * bFromA is right, turn about b's axes.
-struct Pair {
-    std::size_t a = 0, b = 0;
-    Eigen::Matrix3d bFromA; ///< as it was when they were compared
-    Turn turn = Turn::Zero();
-    Eigen::Matrix3d weight; ///< inverse covariance
-};
-
-std::optional<Pair> compare(std::size_t a, std::size_t b, std::span<const PhotographOnScan> photographs,
-                            const std::vector<Edges>& edges, const std::vector<glm::dmat3>& scannerFromCamera,
-                            const std::vector<ColourFit>& fits, const ColourToRangeOptions& options) {
-    const glm::dmat3 bFromA = glm::transpose(scannerFromCamera[b]) * scannerFromCamera[a];
-    if (bFromA[2].z < 0.3) return std::nullopt; // more than 70 degrees apart
-    const PartRays rays = raysInto(edges[a], photographs[a].camera, photographs[b].camera, bFromA);
-    std::size_t count = 0;
-    for (const auto& part : rays)
-        count += part.size();
-    if (count == 0) return std::nullopt;
-    const TurnSearch search(edges[b].levels, photographs[b].camera, rays);
-    const bool areBothKnown = fits[a].isFound && fits[b].isFound;
-    const TurnFound found = areBothKnown ? search.climbFrom(Turn::Zero()) : search.find(options.reachRadians);
-    if (!found.covariance || found.parts < options.leastParts - 1 || found.agreeing < options.leastAgreeing ||
-        found.score < options.leastScore)
-        return std::nullopt;
-    if (!areBothKnown && found.rivalShare > kMostRivalShare) return std::nullopt;
-    if (std::sqrt(found.covariance->trace()) > options.mostDeviationRadians) return std::nullopt;
-    const Eigen::Matrix3d covariance = *found.covariance + kLeastPair * kLeastPair * Eigen::Matrix3d::Identity();
-    return Pair{a, b, eigenOf(bFromA), found.turn, covariance.inverse()};
+/// Turns of which one may lay a on b, by their edges; wherever within reach.
+std::vector<Turn> searched(const SmallPhotograph& a, const SmallPhotograph& b, const glm::dmat3& bFromA,
+                           double reachRadians) {
+    const PartRays rays =
+        raysInto(edgePoints(textureEdges(a.picture), 16, 12, kMostRays / 100), a.camera, b.camera, bFromA);
+    if (std::all_of(rays.begin(), rays.end(), [](const auto& part) { return part.empty(); })) return {};
+    const EdgeImage edges = textureEdges(b.picture);
+    const std::vector<EdgeLevel> levels = edgeLevels(edges, edges, 1 / b.camera.fx);
+    std::vector<Turn> tops = TurnSearch(levels, b.camera, rays).find(reachRadians).tops;
+    tops.resize(std::min(tops.size(), kMostTops));
+    return tops;
 }
 
-/// What the scan says of a photograph itself: its turn from where it was found is zero, so exactly.
-struct Own {
-    std::size_t photograph = 0;
-    Eigen::Matrix3d weight;
+bool isBelieved(const NeighbourTurn& found, const ColourToRangeOptions& options) {
+    return found.correlation >= kLeastCorrelation && found.parts >= kLeastParts && found.agreeing >= kLeastAgreeing &&
+           std::sqrt(found.covariance.trace()) <= options.mostDeviationRadians;
+}
+
+bool doOverlap(const Camera& a, const Camera& b, const glm::dmat3& bFromA) {
+    constexpr int kSteps = 16;
+    int shared = 0;
+    for (int y = 0; y < kSteps; ++y)
+        for (int x = 0; x < kSteps; ++x) {
+            const glm::dvec3 ray = bFromA * rayThrough(a, (x + 0.5) * a.width / kSteps, (y + 0.5) * a.height / kSteps);
+            if (!(ray.z > 0.1)) continue;
+            const glm::dvec2 at = project(b, ray);
+            shared += at.x > 0 && at.y > 0 && at.x < b.width && at.y < b.height;
+        }
+    return shared >= kLeastOverlap * kSteps * kSteps;
+}
+
+/// How a stands to b as their greys have it.
+struct Pair {
+    std::size_t a = 0, b = 0;
+    glm::dmat3 bFromA{1.0};
+    Eigen::Matrix3d covariance; ///< of a further turn about b's axes
+    bool isPlain = false;       ///< so sure that it needs no other to agree
 };
 
-class Network {
+/// The photographs of a scan, each placed as well as is known so far: by the scan, or by another beside it.
+class Neighbours {
   public:
-    Network(std::size_t count, std::vector<Own> own, std::vector<Pair> pairs)
-        : count_(count), own_(std::move(own)), pairs_(std::move(pairs)) {}
+    Neighbours(std::span<const PhotographOnScan> photographs, const std::vector<ColourFit>& fits,
+               const ColourToRangeOptions& options)
+        : photographs_(photographs), options_(options) {
+        for (std::size_t i = 0; i < photographs.size(); ++i) {
+            // Where a fit is not believed the pose as given is the better guess.
+            rotations.push_back(photographs[i].scannerFromGiven.rotation *
+                                (fits[i].isFound ? fits[i].givenFromFound : glm::dmat3(1.0)));
+            isPlaced_.push_back(fits[i].isFound);
+        }
+        for (std::size_t a = 0; a < photographs.size(); ++a)
+            for (std::size_t b = a + 1; b < photographs.size(); ++b)
+                if (glm::distance(photographs[a].scannerFromGiven.translation,
+                                  photographs[b].scannerFromGiven.translation) <= kSamePlaceMetres)
+                    open_.push_back({a, b, false});
+    }
 
-    /// Takes away, one at a time, what contradicts the rest; then holds the turns of all that are joined to an own.
-    void solve() {
+    /// From those that are placed to those beside them, until no more is found.
+    void compareAll() {
         for (;;) {
-            findAnchored();
-            adjust();
-            double worst = kContradicts;
-            std::size_t worstOwn = own_.size(), worstPair = pairs_.size();
-            for (std::size_t i = 0; i < own_.size(); ++i) {
-                const Turn& r = turns[own_[i].photograph];
-                const double squares = r.dot(own_[i].weight * r);
-                if (squares > worst) worst = squares, worstOwn = i;
+            const auto isWaiting = [&](const Open& open) {
+                return !(isPlaced_[open.a] && isPlaced_[open.b]) &&
+                       (open.isSearched || !(isPlaced_[open.a] || isPlaced_[open.b]));
+            };
+            const auto ready = std::stable_partition(open_.begin(), open_.end(), isWaiting);
+            std::vector<Open> now(ready, open_.end());
+            if (now.empty()) return;
+            open_.erase(ready, open_.end());
+            std::vector<std::optional<Pair>> found(now.size());
+            tbb::parallel_for(std::size_t{0}, now.size(), [&](std::size_t i) { found[i] = compare(now[i]); });
+            for (std::size_t i = 0; i < now.size(); ++i) {
+                const bool arePlaced = isPlaced_[now[i].a] && isPlaced_[now[i].b];
+                if (found[i])
+                    pairs_.push_back(*found[i]);
+                else if (!arePlaced) // once both are placed, one knows better where to look
+                    open_.push_back({now[i].a, now[i].b, true});
             }
-            for (std::size_t i = 0; i < pairs_.size(); ++i) {
-                const Turn r = residualOf(pairs_[i]);
-                const double squares = r.dot(pairs_[i].weight * r);
-                if (isAnchored[pairs_[i].a] && squares > worst) worst = squares, worstPair = i;
-            }
-            if (worstPair < pairs_.size()) {
-                pairs_.erase(pairs_.begin() + static_cast<std::ptrdiff_t>(worstPair));
-            } else if (worstOwn < own_.size()) {
-                contradicted.push_back(own_[worstOwn].photograph);
-                own_.erase(own_.begin() + static_cast<std::ptrdiff_t>(worstOwn));
-            } else {
-                return;
-            }
+            placeBeside();
         }
     }
 
-    int neighboursOf(std::size_t photograph) const {
-        return static_cast<int>(std::count_if(pairs_.begin(), pairs_.end(), [&](const Pair& pair) {
-            return pair.a == photograph || pair.b == photograph;
-        }));
-    }
-    /// Of two that contradict each other nobody knows which is wrong.
-    bool isDisputed(std::size_t photograph) const {
-        const auto isJoined = [&](std::size_t other) { return group_[other] == group_[photograph]; };
-        const auto anchors =
-            std::count_if(own_.begin(), own_.end(), [&](const Own& own) { return isJoined(own.photograph); });
-        return anchors < 2 && std::any_of(contradicted.begin(), contradicted.end(), isJoined);
+    /// Those that the rest contradicts are placed by their neighbours alone, as far as these are believed.
+    void placeAgain(const std::vector<std::size_t>& contradicted, const std::vector<PairTurn>& believed) {
+        pairs_.erase(std::remove_if(pairs_.begin(), pairs_.end(),
+                                    [&](const Pair& pair) {
+                                        return std::none_of(believed.begin(), believed.end(), [&](const PairTurn& b) {
+                                            return b.a == pair.a && b.b == pair.b;
+                                        });
+                                    }),
+                     pairs_.end());
+        for (const std::size_t i : contradicted)
+            isPlaced_[i] = false;
+        for (std::size_t i = 0; i < contradicted.size(); ++i)
+            placeBeside();
     }
 
-    std::vector<Turn> turns;
-    std::vector<Eigen::Matrix3d> covariances;
-    std::vector<bool> isAnchored;
-    std::vector<std::size_t> contradicted;
+    /// The pairs as turns from where all are placed.
+    std::vector<PairTurn> turns() const {
+        std::vector<PairTurn> turns;
+        for (const Pair& pair : pairs_) {
+            const glm::dmat3 bFromA = between(pair.a, pair.b);
+            turns.push_back({pair.a, pair.b, eigenOf(bFromA), turnOf(pair.bFromA * glm::transpose(bFromA)),
+                             pair.covariance, pair.isPlain});
+        }
+        return turns;
+    }
+
+    std::vector<glm::dmat3> rotations; ///< scannerFromCamera
 
   private:
-    Turn residualOf(const Pair& pair) const { return pair.turn - (pair.bFromA * turns[pair.a] - turns[pair.b]); }
+    struct Open {
+        std::size_t a = 0, b = 0;
+        bool isSearched = false;
+    };
 
-    void findAnchored() {
-        group_.resize(count_);
-        for (std::size_t i = 0; i < count_; ++i)
-            group_[i] = i;
-        for (bool isChanged = true; isChanged;) {
-            isChanged = false;
-            for (const Pair& pair : pairs_) {
-                const std::size_t least = std::min(group_[pair.a], group_[pair.b]);
-                isChanged |= group_[pair.a] != least || group_[pair.b] != least;
-                group_[pair.a] = group_[pair.b] = least;
+    glm::dmat3 between(std::size_t a, std::size_t b) const { return glm::transpose(rotations[b]) * rotations[a]; }
+
+    std::optional<Pair> compare(const Open& open) const {
+        const auto [a, b, isSearched] = open;
+        const glm::dmat3 bFromA = between(a, b);
+        const SmallPhotograph &from = photographs_[a].small, &to = photographs_[b].small;
+        if (!doOverlap(from.camera, to.camera, bFromA)) return std::nullopt;
+        const GreyLevels greysA = greyLevels(from), greysB = greyLevels(to);
+        std::optional<NeighbourTurn> best;
+        if (isPlaced_[a] && isPlaced_[b]) best = layOnNeighbour(greysA, greysB, bFromA, Turn::Zero());
+        if (!isSearched && (!best || !isBelieved(*best, options_))) {
+            // One of the two may stand elsewhere.
+            best.reset();
+            double second = 0;
+            for (const Turn& start : searched(from, to, bFromA, options_.reachRadians)) {
+                const auto found = layOnNeighbour(greysA, greysB, bFromA, start);
+                if (!found || (best && (best->turn - found->turn).norm() < kSameTurn)) continue;
+                second = std::max(second, best ? std::min(best->correlation, found->correlation) : 0);
+                if (!best || found->correlation > best->correlation) best = found;
             }
+            if (best && second > kMostRivalShare * best->correlation) best.reset();
         }
-        isAnchored.assign(count_, false);
-        for (const Own& own : own_)
-            for (std::size_t i = 0; i < count_; ++i)
-                if (group_[i] == group_[own.photograph]) isAnchored[i] = true;
+        if (!best || !isBelieved(*best, options_)) return std::nullopt;
+        Pair pair{a, b, matrixOf(best->turn) * bFromA, best->covariance, false};
+        pair.covariance += kLeastPair * kLeastPair * Eigen::Matrix3d::Identity();
+        pair.isPlain =
+            best->correlation >= kPlainCorrelation && best->parts >= kPlainParts && best->agreeing >= kPlainAgreeing;
+        return pair;
     }
 
-    /// A further turn r of camera i: found * r. To first order a pair says that its turn is bFromA r_a - r_b.
-    void adjust() {
-        const auto size = static_cast<Eigen::Index>(3 * count_);
-        Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(size, size);
-        Eigen::VectorXd right = Eigen::VectorXd::Zero(size);
-        const auto at = [](std::size_t i) { return static_cast<Eigen::Index>(3 * i); };
-        for (const Own& own : own_)
-            normal.block<3, 3>(at(own.photograph), at(own.photograph)) += own.weight;
-        for (const Pair& pair : pairs_) {
-            if (!isAnchored[pair.a]) continue;
-            const Eigen::Matrix3d toA = pair.bFromA.transpose() * pair.weight;
-            normal.block<3, 3>(at(pair.a), at(pair.a)) += toA * pair.bFromA;
-            normal.block<3, 3>(at(pair.b), at(pair.b)) += pair.weight;
-            normal.block<3, 3>(at(pair.a), at(pair.b)) -= toA;
-            normal.block<3, 3>(at(pair.b), at(pair.a)) -= toA.transpose();
-            right.segment<3>(at(pair.a)) += toA * pair.turn;
-            right.segment<3>(at(pair.b)) -= pair.weight * pair.turn;
+    /// Each that is not placed by the surest of its neighbours that is.
+    void placeBeside() {
+        std::vector<bool> isPlaced = isPlaced_;
+        for (std::size_t i = 0; i < isPlaced.size(); ++i) {
+            const Pair* surest = nullptr;
+            for (const Pair& pair : pairs_) {
+                if (isPlaced_[i] || (pair.a != i && pair.b != i) || !isPlaced_[pair.a == i ? pair.b : pair.a]) continue;
+                if (!surest || pair.covariance.trace() < surest->covariance.trace()) surest = &pair;
+            }
+            if (!surest) continue;
+            rotations[i] = surest->b == i ? rotations[surest->a] * glm::transpose(surest->bFromA)
+                                          : rotations[surest->b] * surest->bFromA;
+            isPlaced[i] = true;
         }
-        for (std::size_t i = 0; i < count_; ++i)
-            if (!isAnchored[i]) normal.block<3, 3>(at(i), at(i)) = Eigen::Matrix3d::Identity();
-        const Eigen::LDLT<Eigen::MatrixXd> solver(normal);
-        const Eigen::VectorXd solution = solver.solve(right);
-        const Eigen::MatrixXd covariance = solver.solve(Eigen::MatrixXd::Identity(size, size));
-        turns.clear();
-        covariances.clear();
-        for (std::size_t i = 0; i < count_; ++i) {
-            turns.emplace_back(solution.segment<3>(at(i)));
-            covariances.emplace_back(covariance.block<3, 3>(at(i), at(i)));
-        }
+        isPlaced_ = isPlaced;
     }
 
-    std::size_t count_;
-    std::vector<Own> own_;
+    std::span<const PhotographOnScan> photographs_;
+    const ColourToRangeOptions& options_;
+    std::vector<bool> isPlaced_;
+    std::vector<Open> open_; ///< not compared yet
     std::vector<Pair> pairs_;
-    std::vector<std::size_t> group_;
 };
 
-void settle(ColourFit& fit, const Network& network, std::size_t i, const ColourToRangeOptions& options) {
+/// What the network says of a photograph that stands as rotation has it.
+void settle(ColourFit& fit, const TurnNetwork& network, std::size_t i, const glm::dmat3& givenFromPlaced,
+            const ColourToRangeOptions& options) {
     const bool isContradicted =
         std::find(network.contradicted.begin(), network.contradicted.end(), i) != network.contradicted.end();
     if (!network.isAnchored[i] || (network.neighboursOf(i) == 0 && !isContradicted)) return;
     const bool isItsOwn = fit.isFound && !isContradicted;
-    if (!isItsOwn && network.neighboursOf(i) < kLeastNeighbours) {
+    if (!isItsOwn && network.neighboursOf(i) < kLeastNeighbours && !network.hasPlainNeighbour(i)) {
         if (isContradicted) fit.isSure = false, fit.why = "it contradicts its neighbours";
         return;
     }
@@ -248,10 +274,13 @@ void settle(ColourFit& fit, const Network& network, std::size_t i, const ColourT
         fit.why = "it contradicts its neighbour";
         return;
     }
-    fit.givenFromFound = fit.givenFromFound * matrixOf(network.turns[i]);
-    const glm::dmat3& r = fit.givenFromFound;
-    const glm::dvec3 twist(r[1][2] - r[2][1], r[2][0] - r[0][2], r[0][1] - r[1][0]);
-    fit.turnedRadians = std::atan2(glm::length(twist) / 2, (r[0][0] + r[1][1] + r[2][2] - 1) / 2);
+    if (network.anchorsOf(i) < kLeastAnchors * network.joinedTo(i)) {
+        fit.isSure = false;
+        fit.why = "hardly any photograph that it is joined to lies on the scan";
+        return;
+    }
+    fit.givenFromFound = givenFromPlaced * matrixOf(network.turns[i]);
+    fit.turnedRadians = turnOf(fit.givenFromFound).norm();
     for (int k = 0; k < 9; ++k)
         fit.covariance[k / 3][k % 3] = network.covariances[i](k % 3, k / 3);
     fit.deviationRadians = std::sqrt(network.covariances[i].trace());
@@ -267,37 +296,30 @@ void settle(ColourFit& fit, const Network& network, std::size_t i, const ColourT
 void joinTurns(std::span<const PhotographOnScan> photographs, std::vector<ColourFit>& fits,
                const ColourToRangeOptions& options) {
     if (photographs.size() < 2) return;
-    std::vector<Edges> edges(photographs.size());
-    tbb::parallel_for(std::size_t{0}, edges.size(), [&](std::size_t i) { edges[i] = edgesOf(photographs[i]); });
-    std::vector<glm::dmat3> scannerFromCamera;
-    std::vector<Own> own;
-    for (std::size_t i = 0; i < photographs.size(); ++i) {
-        // Where a fit is not believed the pose as given is the better guess.
-        if (!fits[i].isFound) fits[i].givenFromFound = glm::dmat3(1.0);
-        scannerFromCamera.push_back(photographs[i].scannerFromGiven.rotation * fits[i].givenFromFound);
-        const Eigen::Matrix3d covariance =
-            eigenOf(fits[i].covariance) + kLeastOwn * kLeastOwn * Eigen::Matrix3d::Identity();
-        if (fits[i].isFound) own.push_back({i, covariance.inverse()});
+    Neighbours neighbours(photographs, fits, options);
+    neighbours.compareAll();
+    std::vector<std::size_t> contradicted;
+    const auto solved = [&] {
+        std::vector<OwnTurn> own;
+        for (std::size_t i = 0; i < photographs.size(); ++i)
+            if (fits[i].isFound && std::find(contradicted.begin(), contradicted.end(), i) == contradicted.end())
+                own.push_back({i, eigenOf(fits[i].covariance) + kLeastOwn * kLeastOwn * Eigen::Matrix3d::Identity(),
+                               fits[i].isSure});
+        TurnNetwork network(photographs.size(), std::move(own), neighbours.turns());
+        network.contradicted = contradicted;
+        network.solve();
+        return network;
+    };
+    TurnNetwork network = solved();
+    if (!network.contradicted.empty()) {
+        // Far from where they were found, turns do not simply add.
+        contradicted = network.contradicted;
+        neighbours.placeAgain(contradicted, network.pairs());
+        network = solved();
     }
-    std::vector<std::pair<std::size_t, std::size_t>> candidates;
-    for (std::size_t a = 0; a < photographs.size(); ++a)
-        for (std::size_t b = a + 1; b < photographs.size(); ++b)
-            if (glm::distance(photographs[a].scannerFromGiven.translation,
-                              photographs[b].scannerFromGiven.translation) <= kSamePlaceMetres &&
-                (fits[a].isFound || fits[b].isFound))
-                candidates.emplace_back(a, b);
-    std::vector<std::optional<Pair>> compared(candidates.size());
-    tbb::parallel_for(std::size_t{0}, candidates.size(), [&](std::size_t i) {
-        compared[i] =
-            compare(candidates[i].first, candidates[i].second, photographs, edges, scannerFromCamera, fits, options);
-    });
-    std::vector<Pair> pairs;
-    for (const auto& pair : compared)
-        if (pair) pairs.push_back(*pair);
-    Network network(photographs.size(), std::move(own), std::move(pairs));
-    network.solve();
     for (std::size_t i = 0; i < photographs.size(); ++i)
-        settle(fits[i], network, i, options);
+        settle(fits[i], network, i, glm::transpose(photographs[i].scannerFromGiven.rotation) * neighbours.rotations[i],
+               options);
 }
 
 } // namespace scene

@@ -1,20 +1,19 @@
 #pragma once
-// The photographs of one scan together: taken from one place, two that overlap differ by a rotation alone, and their
-// edges are the same ones, which says far more exactly how they stand to each other than a scan says how either stands
-// to it. So the turns of all are found at once, by least squares: each as far as its scan knows it, neighbours as they
-// know each other. One that the scan could not place is placed by its neighbours; one that contradicts them is told.
+// The photographs of one scan together: two that overlap say far more exactly how they stand to each other
+// (neighbour_turn.h) than a scan says how either stands to it. So the turns of all are found at once
+// (turn_network.h). One that the scan could not place is placed by its neighbours; one that contradicts them is told.
 
 #include "scene/align/colour_to_range.h"
+#include "scene/align/small_photograph.h"
 
 #include <span>
 #include <vector>
 
 namespace scene {
 
-/// A photograph of a scan, without distortion.
+/// A photograph of a scan.
 struct PhotographOnScan {
-    const Image<Rgb8>* picture = nullptr; ///< lent
-    Camera camera;
+    SmallPhotograph small;
     Pose scannerFromGiven;
 };
 

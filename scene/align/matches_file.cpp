@@ -105,7 +105,7 @@ PairResult pairFromMatches(const std::vector<ScanView>& scans, const GivenMatche
         result.best.matches = planes;
         result.best.evidence = checkPose(a.panorama, b.panorama, aFromB);
     }
-    result.plausible = 1;
+    result.plausible = {result.best.aFromB};
     result.isDecidedByGivenPose = true;
     // A person's word stands for what cannot be decided, not for what cannot be.
     if (result.best.evidence.agreeing < kLeastAgreeing)

@@ -26,11 +26,6 @@ constexpr double kElsewhereMetres = 0.15, kElsewhereCosine = 0.9994;
 /// Poses nearer than this to a rough one are what its author may have meant.
 constexpr double kRoughMetres = 1.0, kRoughCosine = 0.94;
 
-bool areElsewhere(const Pose& a, const Pose& b) {
-    return glm::distance(a.translation, b.translation) > kElsewhereMetres ||
-           cosineBetween(a.rotation, b.rotation) < kElsewhereCosine;
-}
-
 bool isAbout(const Pose& rough, const Pose& pose) {
     return glm::distance(rough.translation, pose.translation) < kRoughMetres &&
            cosineBetween(rough.rotation, pose.rotation) > kRoughCosine;
@@ -56,6 +51,11 @@ void countMeetings(const ScanView& from, const ScanView& to, const Pose& toFromF
 }
 
 } // namespace
+
+bool areElsewhere(const Pose& a, const Pose& b) {
+    return glm::distance(a.translation, b.translation) > kElsewhereMetres ||
+           cosineBetween(a.rotation, b.rotation) < kElsewhereCosine;
+}
 
 ScanView viewOf(const Scan& scan) {
     ScanView view;
@@ -204,6 +204,7 @@ PairResult registerPair(const ScanView& a, const ScanView& b, const std::optiona
         });
         if (isOnly) {
             result.best = *meant[0];
+            result.plausible = {result.best.aFromB};
             result.verdict = PairVerdict::registered;
             result.isDecidedByGivenPose = meant[0] != &fits[0];
             return result;
@@ -212,11 +213,11 @@ PairResult registerPair(const ScanView& a, const ScanView& b, const std::optiona
     result.best = fits[0];
     if (fits.size() > 1) result.rival = fits[1];
     for (const PairFit& fit : fits)
-        result.plausible += fitsWith(fit, options.mostAgainstShareRival);
+        if (fitsWith(fit, options.mostAgainstShareRival)) result.plausible.push_back(fit.aFromB);
     if (result.best.evidence.agreeing < options.leastOverlap) return result;
     if (!fitsWith(result.best, options.mostAgainstShare))
         result.verdict = PairVerdict::contradicted;
-    else if (result.plausible > 1)
+    else if (result.plausible.size() > 1)
         result.verdict = PairVerdict::ambiguous;
     else
         result.verdict = result.best.isHeld ? PairVerdict::registered : PairVerdict::loose;

@@ -57,9 +57,12 @@ struct PairResult {
     PairVerdict verdict = PairVerdict::apart;
     PairFit best;                 ///< also where it is not believed
     std::optional<PairFit> rival; ///< the next best that stands elsewhere
-    std::size_t plausible = 0;    ///< how many poses fit
+    std::vector<Pose> plausible;  ///< aFromB of all that fit, the best first
     bool isDecidedByGivenPose = false;
 };
+
+/// Whether the two are different answers, not one answer found less exactly.
+bool areElsewhere(const Pose& a, const Pose& b);
 
 /// Planes of both that lie on each other as a pose has it, by what stands in the same direction at the same range.
 std::vector<PlaneMatch> planesThatMeet(const ScanView& a, const ScanView& b, const Pose& aFromB, double metres);

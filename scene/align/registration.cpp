@@ -21,8 +21,6 @@ constexpr double kOtherUnits =
 /// Scans of a group contradict each other if as much of what both saw cannot be. More than for a pair alone: errors of
 /// several pairs add up before all are adjusted.
 constexpr double kContradiction = 0.02, kLeastContradiction = 0.003;
-/// By so much a loop of pairs may stay open before all are adjusted; about a degree.
-constexpr double kOpenLoopMetres = 0.15, kOpenLoopCosine = 0.9998;
 
 /// "1.2 %" for sentences.
 std::string shareText(double share) {
@@ -53,7 +51,8 @@ class Joining {
         std::iota(group_.begin(), group_.end(), std::size_t{0});
     }
 
-    /// The surest pair first; a pair that would make two scans contradict each other joins nothing.
+    /// The surest pair first; a pair that would make two scans contradict each other joins nothing, nor does one that
+    /// not more pairs agree with than deny: of two that differ one is wrong, and neither says which.
     void join() {
         std::vector<PairOutcome*> sure;
         for (PairOutcome& pair : registration_.pairs)
@@ -65,15 +64,13 @@ class Joining {
             const Pose groupFromB = poses_[pair->a] * pair->result.best.aFromB;
             if (group_[pair->a] == group_[pair->b]) {
                 // A loop: it must close.
-                const Pose off = inverse(groupFromB) * poses_[pair->b];
-                pair->isRefused = glm::length(off.translation) > kOpenLoopMetres ||
-                                  cosineBetween(off.rotation, glm::dmat3(1.0)) < kOpenLoopCosine;
+                pair->isRefused = areElsewhere(inverse(poses_[pair->a]) * poses_[pair->b], pair->result.best.aFromB);
                 pair->isUsed = !pair->isRefused;
                 continue;
             }
             const Pose aFromOther = groupFromB * inverse(poses_[pair->b]);
             const std::size_t from = group_[pair->b], into = group_[pair->a];
-            if (!areCompatible(into, from, aFromOther)) {
+            if (!isBelieved(into, from, aFromOther) || !areCompatible(into, from, aFromOther)) {
                 pair->isRefused = true;
                 continue;
             }
@@ -96,6 +93,27 @@ class Joining {
     }
 
   private:
+    /// Every pair between the groups that knows one pose, or several, has a say: an ambiguous one denies what is none
+    /// of its poses.
+    bool isBelieved(std::size_t into, std::size_t from, const Pose& intoFromOther) const {
+        int agreeing = 0, denying = 0;
+        for (const PairOutcome& pair : registration_.pairs) {
+            const PairVerdict verdict = pair.result.verdict;
+            if (verdict != PairVerdict::registered && verdict != PairVerdict::ambiguous) continue;
+            const bool isForth = group_[pair.a] == into && group_[pair.b] == from;
+            const bool isBack = group_[pair.a] == from && group_[pair.b] == into;
+            if (!isForth && !isBack) continue;
+            const Pose intoFromA = isForth ? poses_[pair.a] : intoFromOther * poses_[pair.a];
+            const Pose intoFromB = isForth ? intoFromOther * poses_[pair.b] : poses_[pair.b];
+            const Pose aFromB = inverse(intoFromA) * intoFromB;
+            const std::vector<Pose>& known = pair.result.plausible;
+            const bool agrees =
+                std::any_of(known.begin(), known.end(), [&](const Pose& pose) { return !areElsewhere(pose, aFromB); });
+            ++(agrees ? agreeing : denying);
+        }
+        return agreeing > denying;
+    }
+
     bool areCompatible(std::size_t into, std::size_t from, const Pose& intoFromOther) const {
         PoseCheckOptions check;
         check.stride = 3;
@@ -188,10 +206,11 @@ std::string whyNot(std::size_t scan, const std::vector<ScanView>& scans, const R
     if (!best) return name + "it was compared with no other";
     const std::string other = "'" + scans[best->a == scan ? best->b : best->a].name + "'";
     const PoseEvidence& evidence = best->result.best.evidence;
-    if (best->isRefused) return name + "where " + other + " would have it, a third scan sees through its surfaces";
+    if (best->isRefused)
+        return name + "where " + other + " would have it, a third scan sees through its surfaces or has it elsewhere";
     switch (best->result.verdict) {
     case PairVerdict::ambiguous:
-        return name + "it fits " + other + " in " + std::to_string(best->result.plausible) + " places";
+        return name + "it fits " + other + " in " + std::to_string(best->result.plausible.size()) + " places";
     case PairVerdict::contradicted:
         return name + "where it fits " + other + " best, " + shareText(evidence.againstShare()) +
                " of what both saw stands where the other saw through";

@@ -74,6 +74,12 @@ glm::dmat3 matrixOf(const Turn& turn) {
     return poseFromQuaternion({}, v.x(), v.y(), v.z(), std::cos(angle / 2)).rotation;
 }
 
+Turn turnOf(const glm::dmat3& r) {
+    const Turn twist(r[1][2] - r[2][1], r[2][0] - r[0][2], r[0][1] - r[1][0]); // twice the sine along the axis
+    const double sine = twist.norm() / 2, cosine = (r[0][0] + r[1][1] + r[2][2] - 1) / 2;
+    return sine > 1e-12 ? Turn(twist / (2 * sine) * std::atan2(sine, cosine)) : Turn(twist / 2);
+}
+
 /// Better first; ties by the turn itself, so that the order does not depend on threads.
 bool TurnSearch::isBetter(const Candidate& a, const Candidate& b) {
     if (a.score != b.score) return a.score > b.score;
@@ -137,6 +143,8 @@ TurnFound TurnSearch::find(double reachRadians) const {
     const Candidate& best = climbers.front();
     found.turn = best.turn;
     found.score = best.score;
+    for (const Candidate& top : climbers)
+        found.tops.push_back(top.turn);
     found.rivalShare = climbers.size() > 1 && best.score > 0 ? std::max(climbers[1].score, 0.0) / best.score : 0;
     sharpen(found);
     return found;

@@ -17,6 +17,7 @@ namespace scene {
 using Turn = Eigen::Vector3d;
 
 glm::dmat3 matrixOf(const Turn& turn);
+Turn turnOf(const glm::dmat3& rotation);
 
 /// What a search found. Radians; scores in standard deviations of the picture's edges, summed over the levels.
 struct TurnFound {
@@ -27,6 +28,7 @@ struct TurnFound {
     int parts = 0;         ///< that have edges
     /// Of the turn; nothing where the score has no top.
     std::optional<Eigen::Matrix3d> covariance;
+    std::vector<Turn> tops; ///< that were climbed to, the best first; of find alone
 };
 
 using PartRays = std::array<std::vector<EdgeRay>, kParts>;

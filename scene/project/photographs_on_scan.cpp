@@ -40,26 +40,33 @@ PhotographForScan forScan(const Image<Rgb8>& picture, const CameraFile& lens, co
     return {straightened(picture, lens, pinhole), pinhole, scannerFromGiven};
 }
 
-std::vector<ColourFit> layOnScan(ScanForPhotographs& scan, std::span<const PhotographForScan> photographs,
-                                 const std::function<void()>& progress) {
-    ColourToRangeOptions options;
-    options.mostDeviationRadians =
+PhotographsOnScan::PhotographsOnScan(ScanForPhotographs& scan) : scan_(scan) {
+    options_.mostDeviationRadians =
         std::max(kLeastDeviationRadians, kMostDeviationSpacings * scan.traits.spacingRadians());
-    std::vector<ColourFit> fits;
-    std::vector<PhotographOnScan> all;
-    std::swap(scan.scan.colours, scan.reflectance);
-    for (const PhotographForScan& photograph : photographs) {
-        const Camera wide = widened(photograph.camera, options.reachRadians, 1 / photograph.camera.fx);
-        DepthImage seen =
-            projectToCamera(scan.scan, scan.traits, inverse(photograph.scannerFromGiven), wide, scan.planar);
-        fillDropouts(seen);
-        fits.push_back(findTurn(seen, photograph.straight.colour, photograph.camera, options));
-        all.push_back({&photograph.straight.colour, photograph.camera, photograph.scannerFromGiven});
-        if (progress) progress();
-    }
-    std::swap(scan.scan.colours, scan.reflectance);
-    joinTurns(all, fits, options);
+}
+
+void PhotographsOnScan::add(const PhotographForScan& photograph) {
+    const Camera wide = widened(photograph.camera, options_.reachRadians, 1 / photograph.camera.fx);
+    std::swap(scan_.scan.colours, scan_.reflectance);
+    DepthImage seen =
+        projectToCamera(scan_.scan, scan_.traits, inverse(photograph.scannerFromGiven), wide, scan_.planar);
+    std::swap(scan_.scan.colours, scan_.reflectance);
+    fillDropouts(seen);
+    alone_.push_back(findTurn(seen, photograph.straight.colour, photograph.camera, options_));
+    small_.push_back({smallPhotograph(photograph.straight.colour, photograph.camera), photograph.scannerFromGiven});
+}
+
+std::vector<ColourFit> PhotographsOnScan::fits() const {
+    std::vector<ColourFit> fits = alone_;
+    joinTurns(small_, fits, options_);
     return fits;
+}
+
+std::vector<ColourFit> layOnScan(ScanForPhotographs& scan, std::span<const PhotographForScan> photographs) {
+    PhotographsOnScan onScan(scan);
+    for (const PhotographForScan& photograph : photographs)
+        onScan.add(photograph);
+    return onScan.fits();
 }
 
 DepthImage withRange(const ScanForPhotographs& scan, const PhotographForScan& photograph, const Pose& scannerFromCamera,

@@ -7,7 +7,8 @@
 #include "scene/project/dropouts.h"
 #include "scene/project/planar_projection.h"
 
-#include <functional>
+#include <span>
+#include <vector>
 
 namespace scene {
 
@@ -33,10 +34,28 @@ struct PhotographForScan {
 PhotographForScan forScan(const Image<Rgb8>& picture, const CameraFile& lens, const Pose& scannerFromGiven,
                           const ScanForPhotographs& scan);
 
-/// How all photographs of a scan are turned, one fit for each. progress is called when one has been laid on the scan.
-/// The scan's own colours are not looked at. The same on any number of threads.
-std::vector<ColourFit> layOnScan(ScanForPhotographs& scan, std::span<const PhotographForScan> photographs,
-                                 const std::function<void()>& progress = {});
+/// How all photographs of a scan are turned. They are laid on it one after another, and of each only what its
+/// neighbours ask for is kept (align/small_photograph.h). The scan's own colours are not looked at. The same on any
+/// number of threads.
+class PhotographsOnScan {
+  public:
+    /// Lends the scan.
+    explicit PhotographsOnScan(ScanForPhotographs& scan);
+
+    void add(const PhotographForScan& photograph);
+
+    /// One for each that was added: the scan and its neighbours together (align/joint_turns.h).
+    std::vector<ColourFit> fits() const;
+
+  private:
+    ScanForPhotographs& scan_;
+    ColourToRangeOptions options_;
+    std::vector<ColourFit> alone_;
+    std::vector<PhotographOnScan> small_;
+};
+
+/// The same of photographs that are all in memory.
+std::vector<ColourFit> layOnScan(ScanForPhotographs& scan, std::span<const PhotographForScan> photographs);
 
 /// The photograph with the range of the scan, in the scanner's frame: worldFromCamera is scannerFromCamera. Where the
 /// photograph's lens does not reach there is no surface.

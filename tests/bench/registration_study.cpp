@@ -122,7 +122,7 @@ int main(int argc, char** argv) {
                 "    %zu, %zu: verdict %d, %s, %.1f %% agree, %.3f %% against, %d plausible, off by %.3f deg %.0f mm\n",
                 pair.a + 1, pair.b + 1, static_cast<int>(pair.result.verdict), pair.isUsed ? "used" : "not used",
                 100 * best.evidence.agreeing, 100 * best.evidence.againstShare(),
-                static_cast<int>(pair.result.plausible), error.degrees, 1e3 * error.metres);
+                static_cast<int>(pair.result.plausible.size()), error.degrees, 1e3 * error.metres);
         }
         std::fflush(stdout);
         runs.push_back(scans);

@@ -114,7 +114,7 @@ TEST(Registration, WhatRepeatsIsAmbiguousUnlessSomebodySaysWhere) {
     std::vector<ScanView> views{pillarsFrom(place, a, 1), pillarsFrom(place, b, 2)};
     const Registration unknown = registerScans(views);
     EXPECT_EQ(unknown.pairs[0].result.verdict, PairVerdict::ambiguous);
-    EXPECT_GE(unknown.pairs[0].result.plausible, 2u);
+    EXPECT_GE(unknown.pairs[0].result.plausible.size(), 2u);
     EXPECT_FALSE(unknown.scans[1].isRegistered);
     EXPECT_THAT(unknown.scans[1].why, HasSubstr("fits 'scan1' in"));
     EXPECT_EQ(toMatrix(unknown.scans[1].worldFromScanner), toMatrix(views[1].givenWorldFromScanner));
@@ -126,6 +126,50 @@ TEST(Registration, WhatRepeatsIsAmbiguousUnlessSomebodySaysWhere) {
     ASSERT_TRUE(rough.scans[1].isRegistered) << rough.scans[1].why;
     const Pose found = inverse(rough.scans[0].worldFromScanner) * rough.scans[1].worldFromScanner;
     EXPECT_LT(metresBetween(found, inverse(a) * b), 0.01);
+}
+
+TEST(Registration, APairThatNotMoreAgreeWithThanDenyJoinsNothing) {
+    const SyntheticScene place = office();
+    const std::vector<Pose> truth{setUpAt({1.4, 1.1, 1.5}, 1), setUpAt({4.4, 2.9, 1.6}, 2),
+                                  setUpAt({2.5, 3.6, 1.4}, 3)};
+    std::vector<ScanView> views;
+    for (std::uint32_t i = 0; i < 3; ++i)
+        views.push_back(viewFrom(place, truth[i], i));
+    const auto outcome = [&](std::size_t a, std::size_t b) {
+        return PairOutcome{a, b, registerPair(views[a], views[b], std::nullopt), false, false};
+    };
+    const PairOutcome first = outcome(0, 1), second = outcome(0, 2);
+    PairOutcome third = outcome(1, 2);
+    ASSERT_EQ(second.result.verdict, PairVerdict::registered);
+    const Pose right = third.result.best.aFromB;
+    Pose turned = right, shifted = right;
+    turned.rotation = turned.rotation * setUpAt({}, 9).rotation;
+    shifted.translation += glm::dvec3(0.4, 0, 0);
+
+    // The two that repeat know of other places alone: nobody knows whether they or the surer pair is wrong.
+    third.result.verdict = PairVerdict::ambiguous;
+    third.result.plausible = {turned, shifted};
+    // What is left joins two; the third scan stands where it was said to stand.
+    const auto expectOneLeft = [](const Registration& found) {
+        const std::size_t left = found.scans[1].isRegistered ? 2 : 1;
+        EXPECT_TRUE(found.scans[0].isRegistered && found.scans[3 - left].isRegistered);
+        EXPECT_FALSE(found.scans[left].isRegistered);
+        EXPECT_TRUE(found.pairs[left - 1].isRefused);
+        EXPECT_FALSE(found.scans[left].why.empty());
+    };
+    expectOneLeft(joinScans(views, {first, second, third}));
+
+    third.result.plausible.push_back(right);
+    const Registration confirmed = joinScans(views, {first, second, third});
+    EXPECT_TRUE(confirmed.scans[2].isRegistered) << confirmed.scans[2].why;
+
+    // Nor of two that are each sure and differ.
+    third.result.verdict = PairVerdict::registered;
+    third.result.plausible = {shifted};
+    third.result.best.aFromB = shifted;
+    const Registration torn = joinScans(views, {first, second, third});
+    EXPECT_EQ(std::count_if(torn.scans.begin(), torn.scans.end(), [](const auto& scan) { return scan.isRegistered; }),
+              2);
 }
 
 TEST(Registration, ScansOfDifferentPlacesStayWhereTheyWereSaidToBe) {
