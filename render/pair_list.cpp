@@ -1,0 +1,88 @@
+#include "render/pair_list.h"
+
+#include "render/pipeline.h"
+#include "render/target.h"
+
+#include <algorithm>
+#include <cassert>
+
+namespace render {
+
+namespace {
+
+bool isOfSamples(const DrawList& list) {
+    return std::all_of(list.runs.begin(), list.runs.end(),
+                       [](const DrawRun& run) { return run.warp == Warp::points || run.warp == Warp::splats; });
+}
+
+const DrawList::Chosen& chosenOf(const DrawList& list, std::uint32_t draw) {
+    return list.chosen[list.order[draw]];
+}
+
+/// Pairs in no order, and the bucket of each with its eyes. A tile stands once in each list: only surfaces that stand
+/// in for finer ones are drawn twice.
+void findPairs(const SceneIndex& scene, const DrawList& left, const DrawList& right, PairList& list) {
+    list.unsorted.clear(), list.keys.clear();
+    list.rightOfTile.resize(scene.tiles.size(), kNoDraw);
+    const auto add = [&](PairDraw pair, const DrawList::Chosen& chosen) {
+        list.unsorted.push_back(pair);
+        list.keys.push_back(3 * chosen.bucket + (kBothEyes - eyesOf(pair)));
+    };
+    for (std::uint32_t i = 0; i < right.tiles; ++i)
+        list.rightOfTile[chosenOf(right, i).tile] = i;
+    for (std::uint32_t i = 0; i < left.tiles; ++i) {
+        const DrawList::Chosen& chosen = chosenOf(left, i);
+        std::uint32_t& other = list.rightOfTile[chosen.tile];
+        const bool isShared = other != kNoDraw && chosenOf(right, other).batch == chosen.batch &&
+                              chosenOf(right, other).warp == chosen.warp;
+        add({i, isShared ? other : kNoDraw, 0}, chosen);
+        if (isShared) other = kNoDraw;
+    }
+    for (std::uint32_t i = 0; i < right.tiles; ++i) {
+        const DrawList::Chosen& chosen = chosenOf(right, i);
+        std::uint32_t& rest = list.rightOfTile[chosen.tile];
+        if (rest != kNoDraw) add({kNoDraw, i, 0}, chosen);
+        rest = kNoDraw;
+    }
+}
+
+} // namespace
+
+bool uniteDraws(const SceneIndex& scene, std::span<const ChunkPlace> places, const DrawList& left,
+                const DrawList& right, PairList& list) {
+    if (!isOfSamples(left) || !isOfSamples(right)) return false;
+    findPairs(scene, left, right, list);
+
+    const std::uint32_t mostKey = list.keys.empty() ? 0 : *std::max_element(list.keys.begin(), list.keys.end());
+    list.firsts.assign(std::size_t{mostKey} + 2, 0);
+    for (const std::uint32_t key : list.keys)
+        ++list.firsts[key + 1];
+    for (std::size_t i = 1; i < list.firsts.size(); ++i)
+        list.firsts[i] += list.firsts[i - 1];
+    list.pairs.resize(list.unsorted.size());
+    for (std::size_t i = 0; i < list.unsorted.size(); ++i)
+        list.pairs[list.firsts[list.keys[i]]++] = list.unsorted[i];
+
+    list.runs.clear();
+    std::uint32_t run = 0; // of its batch
+    for (std::uint32_t i = 0; i < list.pairs.size(); ++i) {
+        PairDraw& pair = list.pairs[i];
+        const DrawList::Chosen& chosen = pair.left != kNoDraw ? chosenOf(left, pair.left) : chosenOf(right, pair.right);
+        const PairRun next{{places[scene.tiles[chosen.tile].chunk].page, i, 0, chosen.warp, chosen.batch},
+                           eyesOf(pair)};
+        const auto isSameRun = [&](const PairRun& last) {
+            return last.run.page == next.run.page && last.run.warp == next.run.warp &&
+                   last.run.batch == next.run.batch && last.eyes == next.eyes && last.run.count < kMaxWorkgroups;
+        };
+        if (list.runs.empty() || !isSameRun(list.runs.back())) {
+            run = list.runs.empty() || list.runs.back().run.batch != next.run.batch ? 0 : run + 1;
+            if (run >= kMostTestedRuns) return false;
+            list.runs.push_back(next);
+        }
+        pair.run = run;
+        ++list.runs.back().run.count;
+    }
+    return true;
+}
+
+} // namespace render
