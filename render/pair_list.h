@@ -11,18 +11,12 @@
 
 namespace render {
 
-/// Consecutive pairs from one page, for the same eyes.
-struct PairRun {
-    DrawRun run;
-    std::uint32_t eyes = kBothEyes;
-};
-
 struct PairList {
-    std::vector<PairRun> runs;   ///< batches ascending
-    std::vector<PairDraw> pairs; ///< in the order of the runs
+    std::vector<DrawRun> runs; ///< of pairs, batches ascending
+    std::vector<PairDraw> pairs;
     /// Scratch, kept from frame to frame: the right eye's draw of each tile; pairs by tile, and what they are sorted
     /// by.
-    std::vector<std::uint32_t> rightOfTile, keys, firsts;
+    std::vector<std::uint32_t> rightOfTile, buckets, firsts;
     std::vector<PairDraw> unsorted;
 };
 

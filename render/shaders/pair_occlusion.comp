@@ -1,6 +1,6 @@
 #version 460
-// occlusion.comp for two eyes: passes on those pairs of a run that may still change a picture, by the eyes for which
-// they may. One invocation a pair.
+// occlusion.comp for two eyes: passes on those pairs of a run that may still change a picture, for the eyes whose
+// picture that is. One invocation a pair.
 #extension GL_GOOGLE_include_directive : require
 
 #include "render/shaders/shared/occlusion.h"
@@ -17,12 +17,12 @@ layout(std430, set = 2, binding = 1) writeonly buffer Passed { PairDraw passed[]
 layout(std430, set = 2, binding = 2) buffer PassedRuns { PassedRun runs[]; };
 layout(push_constant) uniform Constants { PairTestConstants constants; };
 
-uint leastDisparity(uint eye, int block)
+uint leastDisparity(bool isLeft, int block)
 {
-    return eye == kLeftEye ? leftLeast[block] : rightLeast[block];
+    return isLeft ? leftLeast[block] : rightLeast[block];
 }
 
-bool mayBeSeen(uint eye, TileDraw draw, bool isSplats)
+bool mayBeSeen(bool isLeft, TileDraw draw, bool isSplats)
 {
     TileReach reach = reachOf(draw, isSplats, constants.width, constants.height);
     if (reach.nearest < 0.0f) return true;
@@ -33,7 +33,7 @@ bool mayBeSeen(uint eye, TileDraw draw, bool isSplats)
     uint nearest = floatBitsToUint(reach.nearest);
     for (int y = reach.first.y; y <= reach.last.y; ++y)
         for (int x = reach.first.x; x <= reach.last.x; ++x)
-            if (leastDisparity(eye, y * across + x) <= nearest) return true;
+            if (leastDisparity(isLeft, y * across + x) <= nearest) return true;
     return false;
 }
 
@@ -41,11 +41,10 @@ void main()
 {
     if (gl_GlobalInvocationID.x >= constants.count) return;
     PairDraw pair = pairs[constants.firstPair + gl_GlobalInvocationID.x];
-    bool isSplats = (runs[passedRunOf(pair.run, kBothEyes)].firstAndKind & kSplatRun) != 0u;
-    if (pair.left != kNoDraw && !mayBeSeen(kLeftEye, leftDraws[pair.left], isSplats)) pair.left = kNoDraw;
-    if (pair.right != kNoDraw && !mayBeSeen(kRightEye, rightDraws[pair.right], isSplats)) pair.right = kNoDraw;
-    uint eyes = eyesOf(pair);
-    if (eyes == 0u) return;
-    uint run = passedRunOf(pair.run, eyes);
-    passed[(runs[run].firstAndKind & ~kSplatRun) + atomicAdd(runs[run].x, 1u)] = pair;
+    uint firstAndKind = runs[pair.run].firstAndKind;
+    bool isSplats = (firstAndKind & kSplatRun) != 0u;
+    if (pair.left != kNoDraw && !mayBeSeen(true, leftDraws[pair.left], isSplats)) pair.left = kNoDraw;
+    if (pair.right != kNoDraw && !mayBeSeen(false, rightDraws[pair.right], isSplats)) pair.right = kNoDraw;
+    if (pair.left == kNoDraw && pair.right == kNoDraw) return;
+    passed[(firstAndKind & ~kSplatRun) + atomicAdd(runs[pair.run].x, 1u)] = pair;
 }

@@ -12,8 +12,7 @@
 #include "render/shaders/shared/z_key.h"
 
 layout(local_size_x_id = 0) in;
-layout(constant_id = 1) const uint EYES = 3u; // what is of one eye alone must not pay for the other
-layout(constant_id = 2) const uint IS_SPLATS = 0u;
+layout(constant_id = 1) const uint IS_SPLATS = 0u;
 
 layout(set = 0, binding = 0) uniform usamplerBuffer vertices;
 layout(std430, set = 1, binding = 0) readonly buffer LeftDraws { TileDraw leftDraws[]; };
@@ -22,6 +21,8 @@ layout(std430, set = 2, binding = 0) readonly buffer RightDraws { TileDraw right
 layout(std430, set = 2, binding = 1) buffer RightZBuffer { uint64_t rightZBuffer[]; };
 layout(std430, set = 3, binding = 0) readonly buffer Pairs { PairDraw pairs[]; };
 layout(push_constant) uniform Constants { WarpConstants constants; };
+
+const uint kLeft = 0u, kRight = 1u;
 
 /// How an eye draws the tile: alike for all of its samples.
 struct EyeDraw {
@@ -48,7 +49,7 @@ EyeDraw eyeDrawOf(uint eye, TileDraw draw)
 
 void put(uint eye, int pixel, uint64_t key)
 {
-    if (eye == kLeftEye)
+    if (eye == kLeft)
         atomicMax(leftZBuffer[pixel], key);
     else
         atomicMax(rightZBuffer[pixel], key);
@@ -113,15 +114,12 @@ void drawSample(EyeDraw own, vec3 at, vec3 chances, uint colour)
 void main()
 {
     PairDraw pair = pairs[constants.firstDraw + gl_WorkGroupID.x];
-    const bool drawsLeft = (EYES & kLeftEye) != 0u, drawsRight = (EYES & kRightEye) != 0u;
-    TileDraw left, right;
-    if (drawsLeft) left = leftDraws[pair.left];
-    if (drawsRight) right = rightDraws[pair.right];
-    TileDraw tile; // what both have in common
-    if (drawsLeft) tile = left;
-    else tile = right;
+    bool drawsLeft = pair.left != kNoDraw, drawsRight = pair.right != kNoDraw;
+    TileDraw left = leftDraws[drawsLeft ? pair.left : 0u], right = rightDraws[drawsRight ? pair.right : 0u];
+    TileDraw tile = left; // what both have in common
+    if (!drawsLeft) tile = right;
     bool isLeftByDetail = drawsLeft && isByDetail(left), isRightByDetail = drawsRight && isByDetail(right);
-    EyeDraw toLeft = eyeDrawOf(kLeftEye, left), toRight = eyeDrawOf(kRightEye, right);
+    EyeDraw toLeft = eyeDrawOf(kLeft, left), toRight = eyeDrawOf(kRight, right);
     for (uint i = gl_LocalInvocationID.x; i < tile.span.z; i += gl_WorkGroupSize.x) {
         uvec2 vertex = texelFetch(vertices, int(tile.span.y + i)).xy;
         vec3 at = placeInTile(tile, vertex.x), chances = vec3(0.0f);

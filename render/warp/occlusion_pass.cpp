@@ -42,11 +42,7 @@ void recordPassing(VkCommandBuffer commands, const OcclusionPass& pass, std::spa
                    const OccluderConstants& constants, const Buffer& passedRuns, std::span<const PassedRun> none,
                    const std::function<void()>& recordTest) {
     record(commands, kBeforeSizes);
-    constexpr std::size_t kMostAtOnce = 65536 / sizeof(PassedRun); // Vulkan's limit
-    for (std::size_t done = 0; done < none.size(); done += kMostAtOnce) {
-        const auto some = none.subspan(done, std::min(none.size() - done, kMostAtOnce));
-        vkCmdUpdateBuffer(commands, passedRuns.handle(), done * sizeof(PassedRun), some.size_bytes(), some.data());
-    }
+    vkCmdUpdateBuffer(commands, passedRuns.handle(), 0, none.size_bytes(), none.data());
     record(commands, kAfterWarp);
     const VkPipelineLayout layout = pass.occluders.layout;
     vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pass.occluders.pipeline);

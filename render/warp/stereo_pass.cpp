@@ -11,15 +11,10 @@ namespace render {
 namespace {
 
 constexpr std::array kBindings{Binding::storage, Binding::storage, Binding::storage};
-constexpr std::size_t kEyesApart = 3; ///< both, left alone, right alone
 
 /// Buffers of two eyes and of the pairs: a shader must be able to see them all at once.
 constexpr std::uint32_t kStorageBuffers = 2 * kEyeStorageBuffers + kBindings.size();
 constexpr std::uint32_t kSets = 4;
-
-std::size_t regionOf(std::uint32_t eyes) {
-    return kBothEyes - eyes;
-}
 
 void use(VkCommandBuffer commands, const ComputePipeline& pipeline, std::span<const VkDescriptorSet> sets) {
     vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline.pipeline);
@@ -27,11 +22,10 @@ void use(VkCommandBuffer commands, const ComputePipeline& pipeline, std::span<co
                             static_cast<std::uint32_t>(sets.size()), sets.data(), 0, nullptr);
 }
 
-/// With the page of a run, what draws it for these eyes.
+/// With the page of a run, what draws it.
 const ComputePipeline& useForRun(VkCommandBuffer commands, const StereoPass& pass, const GpuScene& scene,
-                                 const DrawRun& run, std::uint32_t eyes, std::span<const VkDescriptorSet> eyeSets,
-                                 VkDescriptorSet pairs) {
-    const ComputePipeline& pipeline = pass.warps[run.warp == Warp::splats ? 1 : 0][eyes - 1];
+                                 const DrawRun& run, std::span<const VkDescriptorSet> eyeSets, VkDescriptorSet pairs) {
+    const ComputePipeline& pipeline = pass.warps[run.warp == Warp::splats ? 1 : 0];
     use(commands, pipeline, std::array{scene.pageSet(run.page), eyeSets[0], eyeSets[1], pairs});
     return pipeline;
 }
@@ -59,9 +53,8 @@ StereoPass makeStereoPass(const Device& device, VkDescriptorSetLayout pageLayout
     pass.layout = makeSetLayout(device, kBindings);
     const std::array<VkDescriptorSetLayout, kSets> sets{pageLayout, eyeLayout, eyeLayout, pass.layout};
     for (std::uint32_t isSplats = 0; isSplats < pass.warps.size(); ++isSplats)
-        for (std::uint32_t eyes = kLeftEye; eyes <= kBothEyes; ++eyes)
-            pass.warps[isSplats][eyes - 1] = makeComputePipeline(device, kWarpEyesCode, sets, sizeof(WarpConstants),
-                                                                 std::array{size, eyes, isSplats});
+        pass.warps[isSplats] =
+            makeComputePipeline(device, kWarpEyesCode, sets, sizeof(WarpConstants), std::array{size, isSplats});
     pass.testSize = device.isProcessor() ? static_cast<std::uint32_t>(device.subgroupSize()) : 64;
     pass.test = makeComputePipeline(device, kPairOcclusionCode,
                                     std::array<VkDescriptorSetLayout, 3>{eyeLayout, eyeLayout, pass.layout},
@@ -71,13 +64,13 @@ StereoPass makeStereoPass(const Device& device, VkDescriptorSetLayout pageLayout
 
 StereoTarget makeStereoTarget(const Device& device, const StereoPass& pass, std::size_t mostPairs) {
     const std::size_t bytes = std::max<std::size_t>(mostPairs, 1) * sizeof(PairDraw);
-    requireRange(device, kEyesApart * bytes, "the list of tiles", "draw the eyes one by one: --one-pass false");
+    requireRange(device, bytes, "the list of tiles", "draw the eyes one by one: --one-pass false");
     constexpr VkBufferUsageFlags kStorage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
     StereoTarget target;
     target.mostPairs = mostPairs;
-    target.passed = Buffer(device, kEyesApart * bytes, kStorage, MemoryUse::onDevice);
+    target.passed = Buffer(device, bytes, kStorage, MemoryUse::onDevice);
     target.passedRuns =
-        Buffer(device, kEyesApart * kMostTestedRuns * sizeof(PassedRun),
+        Buffer(device, kMostTestedRuns * sizeof(PassedRun),
                kStorage | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT, MemoryUse::onDevice);
     target.pool = makeSetPool(device, kFramesInFlight + 1, kBindings);
     const auto makeSet = [&](const Buffer& pairs) {
@@ -95,31 +88,25 @@ StereoTarget makeStereoTarget(const Device& device, const StereoPass& pass, std:
 
 void recordStereoWarp(VkCommandBuffer commands, const StereoPass& pass, const OcclusionPass& occlusion,
                       const GpuScene& scene, const std::array<VkDescriptorSet, kMaxEyes>& eyeSets,
-                      const StereoTarget& target, std::size_t slot, std::span<const PairRun> runs, int width,
+                      const StereoTarget& target, std::size_t slot, std::span<const DrawRun> runs, int width,
                       int height, bool closesGaps) {
     while (!runs.empty()) {
-        const std::uint32_t batch = runs.front().run.batch;
-        const auto end =
-            std::find_if(runs.begin(), runs.end(), [&](const PairRun& next) { return next.run.batch != batch; });
-        const std::span<const PairRun> now = runs.first(static_cast<std::size_t>(end - runs.begin()));
+        const std::uint32_t batch = runs.front().batch;
+        const auto end = std::find_if(runs.begin(), runs.end(), [&](const DrawRun& run) { return run.batch != batch; });
+        const std::span<const DrawRun> now = runs.first(static_cast<std::size_t>(end - runs.begin()));
         runs = runs.subspan(now.size());
         if (batch == 0) {
-            for (const auto& [run, eyes] : now) {
-                const ComputePipeline& pipeline =
-                    useForRun(commands, pass, scene, run, eyes, eyeSets, target.sets[slot]);
+            for (const DrawRun& run : now) {
+                const ComputePipeline& pipeline = useForRun(commands, pass, scene, run, eyeSets, target.sets[slot]);
                 push(commands, pipeline, WarpConstants{run.first, width, height});
                 vkCmdDispatch(commands, run.count, 1, 1);
             }
             continue;
         }
-        std::vector<PassedRun> none(kEyesApart * now.size());
+        std::vector<PassedRun> none;
         std::uint32_t pairs = 0;
-        for (std::uint32_t i = 0; i < now.size(); ++i) {
-            const DrawRun& run = now[i].run;
-            for (std::uint32_t eyes = kLeftEye; eyes <= kBothEyes; ++eyes) {
-                const auto first = static_cast<std::uint32_t>(regionOf(eyes) * target.mostPairs) + run.first;
-                none[passedRunOf(i, eyes)] = {0, 1, 1, first | (run.warp == Warp::splats ? kSplatRun : 0)};
-            }
+        for (const DrawRun& run : now) {
+            none.push_back({0, 1, 1, run.first | (run.warp == Warp::splats ? kSplatRun : 0)});
             pairs += run.count;
         }
         const OccluderConstants occluders{width, height, closesGaps ? 1 : 0};
@@ -127,21 +114,16 @@ void recordStereoWarp(VkCommandBuffer commands, const StereoPass& pass, const Oc
             use(commands, pass.test, std::array{eyeSets[0], eyeSets[1], target.sets[slot]});
             const std::uint32_t atOnce = kMaxWorkgroups * pass.testSize;
             for (std::uint32_t done = 0; done < pairs; done += atOnce) {
-                const PairTestConstants constants{now[0].run.first + done, std::min(pairs - done, atOnce), width,
-                                                  height};
+                const PairTestConstants constants{now[0].first + done, std::min(pairs - done, atOnce), width, height};
                 push(commands, pass.test, constants);
                 vkCmdDispatch(commands, (constants.count + pass.testSize - 1) / pass.testSize, 1, 1);
             }
         });
-        for (std::uint32_t i = 0; i < now.size(); ++i)
-            for (std::uint32_t eyes = kLeftEye; eyes <= kBothEyes; ++eyes) {
-                if ((eyes & now[i].eyes) != eyes) continue; // for no other eye can anything have passed
-                const std::uint32_t passed = passedRunOf(i, eyes);
-                const ComputePipeline& pipeline =
-                    useForRun(commands, pass, scene, now[i].run, eyes, eyeSets, target.passedSet);
-                push(commands, pipeline, WarpConstants{none[passed].firstAndKind & ~kSplatRun, width, height});
-                vkCmdDispatchIndirect(commands, target.passedRuns.handle(), passed * sizeof(PassedRun));
-            }
+        for (std::size_t i = 0; i < now.size(); ++i) {
+            const ComputePipeline& pipeline = useForRun(commands, pass, scene, now[i], eyeSets, target.passedSet);
+            push(commands, pipeline, WarpConstants{now[i].first, width, height});
+            vkCmdDispatchIndirect(commands, target.passedRuns.handle(), i * sizeof(PassedRun));
+        }
     }
 }
 

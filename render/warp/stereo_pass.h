@@ -16,8 +16,8 @@
 namespace render {
 
 struct StereoPass {
-    DescriptorSetLayout layout; ///< 0 pairs, 1 pairs that have passed the test, 2 how many of each run
-    std::array<std::array<ComputePipeline, 3>, 2> warps; ///< of points and of splats; by which eyes draw, less one
+    DescriptorSetLayout layout;           ///< 0 pairs, 1 pairs that have passed the test, 2 how many of each run
+    std::array<ComputePipeline, 2> warps; ///< of points and of splats
     ComputePipeline test;
     std::uint32_t testSize = 1; ///< of its workgroup
 };
@@ -26,7 +26,7 @@ struct StereoPass {
 struct StereoTarget {
     std::size_t mostPairs = 0;                 ///< that there is room for
     std::array<Buffer, kFramesInFlight> pairs; ///< PairDraw; mapped
-    Buffer passed, passedRuns;                 ///< by run, as many again for the left eye alone, and for the right
+    Buffer passed, passedRuns;                 ///< see shaders/shared/occlusion.h
     DescriptorPool pool;
     std::array<VkDescriptorSet, kFramesInFlight> sets{};
     VkDescriptorSet passedSet = VK_NULL_HANDLE; ///< with what has passed as its pairs
@@ -44,7 +44,7 @@ StereoTarget makeStereoTarget(const Device& device, const StereoPass& pass, std:
 /// caller's next barrier. closesGaps: what is behind gaps of one or two pixels is left out, too.
 void recordStereoWarp(VkCommandBuffer commands, const StereoPass& pass, const OcclusionPass& occlusion,
                       const GpuScene& scene, const std::array<VkDescriptorSet, kMaxEyes>& eyeSets,
-                      const StereoTarget& target, std::size_t slot, std::span<const PairRun> runs, int width,
+                      const StereoTarget& target, std::size_t slot, std::span<const DrawRun> runs, int width,
                       int height, bool closesGaps);
 
 } // namespace render

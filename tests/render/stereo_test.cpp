@@ -171,29 +171,30 @@ TEST_F(StereoTest, EveryDrawOfEitherEyeStandsInOnePair) {
         ASSERT_TRUE(uniteDraws(scene.index(), scene.places(), left.list, right.list, pairs));
         std::vector<int> drawnLeft(left.list.tiles, 0), drawnRight(right.list.tiles, 0);
         std::uint32_t next = 0, batch = 0, run = 0;
-        for (const PairRun& of : pairs.runs) {
-            EXPECT_EQ(of.run.first, next);
-            EXPECT_GE(of.run.batch, batch);
-            run = of.run.batch != batch ? 0 : run;
-            for (; next < of.run.first + of.run.count; ++next) {
+        for (const DrawRun& of : pairs.runs) {
+            EXPECT_EQ(of.first, next);
+            EXPECT_GE(of.batch, batch);
+            run = of.batch != batch ? 0 : run;
+            for (; next < of.first + of.count; ++next) {
                 const PairDraw& pair = pairs.pairs[next];
-                EXPECT_EQ(eyesOf(pair), of.eyes);
                 EXPECT_EQ(pair.run, run);
-                if (pair.left != kNoDraw) {
+                const bool drawsLeft = pair.left != kNoDraw, drawsRight = pair.right != kNoDraw;
+                ASSERT_TRUE(drawsLeft || drawsRight);
+                if (drawsLeft) {
                     ++drawnLeft[pair.left];
-                    EXPECT_EQ(left.list.chosen[left.list.order[pair.left]].batch, of.run.batch);
-                    EXPECT_EQ(scene.places()[scene.tiles()[left.tileOf(pair.left)].chunk].page, of.run.page);
+                    EXPECT_EQ(left.list.chosen[left.list.order[pair.left]].batch, of.batch);
+                    EXPECT_EQ(scene.places()[scene.tiles()[left.tileOf(pair.left)].chunk].page, of.page);
                 }
-                if (pair.right != kNoDraw) {
+                if (drawsRight) {
                     ++drawnRight[pair.right];
-                    EXPECT_EQ(right.list.chosen[right.list.order[pair.right]].batch, of.run.batch);
+                    EXPECT_EQ(right.list.chosen[right.list.order[pair.right]].batch, of.batch);
                 }
-                if (of.eyes == kBothEyes) {
+                if (drawsLeft && drawsRight) {
                     EXPECT_EQ(left.tileOf(pair.left), right.tileOf(pair.right));
                 }
-                (of.eyes == kBothEyes ? shared : alone) += 1;
+                ++(drawsLeft && drawsRight ? shared : alone);
             }
-            batch = of.run.batch, ++run;
+            batch = of.batch, ++run;
             batches = std::max(batches, batch + 1);
         }
         EXPECT_EQ(next, pairs.pairs.size());

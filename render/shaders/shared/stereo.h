@@ -14,17 +14,6 @@ struct PairDraw {
 };
 SHARED_CONSTANT uint kNoDraw = 0xffffffffu;
 
-/// Which eyes draw: bits.
-SHARED_CONSTANT uint kLeftEye = 1u, kRightEye = 2u, kBothEyes = 3u;
-SHARED_FUNCTION uint eyesOf(PairDraw pair) {
-    return (pair.left != kNoDraw ? kLeftEye : 0u) | (pair.right != kNoDraw ? kRightEye : 0u);
-}
-
-/// What passes the test against what is hidden may pass for one eye alone: each run becomes three, by eyes.
-SHARED_FUNCTION uint passedRunOf(uint run, uint eyes) {
-    return 3u * run + eyes - 1u;
-}
-
 struct PairTestConstants {
     uint firstPair;
     uint count;
