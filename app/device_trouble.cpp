@@ -1,6 +1,7 @@
 #include "app/device_trouble.h"
 
 #include "render/device.h"
+#include "render/warp/stereo_pass.h"
 
 #include <cstdio>
 #include <string>
@@ -60,6 +61,11 @@ std::unique_ptr<render::GpuCoverage> makeCoverage(const render::Device& device, 
         sayUnseenIsGivenUp(failure);
         return nullptr;
     }
+}
+
+void sayWhyNotInOnePass(const render::Device& device, const render::Quality& quality, int eyes) {
+    const std::string why = quality.isOnePass ? render::whyNotInOnePass(device, quality, eyes) : "";
+    if (!why.empty()) say("--one-pass: " + why);
 }
 
 void sayPassedOver(const render::Device& device) {

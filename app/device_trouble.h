@@ -46,6 +46,9 @@ std::unique_ptr<render::GpuCoverage> makeCoverage(const render::Device& device, 
 /// Says that unseen space is shown as emptiness from now on, and why.
 void sayUnseenIsGivenUp(const scene::Failure& failure);
 
+/// Says why eyes are drawn one by one that were to be drawn in one pass, if they are.
+void sayWhyNotInOnePass(const render::Device& device, const render::Quality& quality, int eyes);
+
 /// Says which better devices were passed over, and what they lack, if there are any.
 void sayPassedOver(const render::Device& device);
 

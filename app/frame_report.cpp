@@ -55,6 +55,7 @@ double deviceMilliseconds(const render::FrameStats& stats) {
 
 void FrameReport::add(const render::FrameStats& stats, double wallMilliseconds) {
     ++frames_;
+    framesInOnePass_ += stats.isOnePass ? 1 : 0;
     last_ = stats;
     milliseconds_["wall.frame"].add(wallMilliseconds);
     milliseconds_["cpu.frame"].add(processorMilliseconds(stats));
@@ -86,6 +87,7 @@ json FrameReport::summarise(const render::Device& device, const render::GpuScene
     report["version"] = kVersion;
     report["commit"] = kCommit;
     report["frames"] = frames_;
+    report["frames_in_one_pass"] = framesInOnePass_;
     report["frame_ms"] = frame;
     if (!frame.is_null()) report["frames_per_second_median"] = 1000.0 / std::max(frame["median"].get<double>(), 1e-6);
     report["cpu_ms"] = cpu;

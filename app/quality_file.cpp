@@ -147,6 +147,10 @@ std::vector<Knob> makeKnobs() {
             "tiles behind what is drawn already are left out; pictures are the same but for gaps that are filled "
             "anyway",
             {false}, [](auto& q) -> auto& { return q.leavesOutHidden; }),
+        yesOrNo(
+            "one_pass",
+            "points and splats: both eyes are warped in one pass that reads each sample once; pictures are the same",
+            {true}, [](auto& q) -> auto& { return q.isOnePass; }),
         number(
             "near_baseline", "",
             "images taken from within this share of a surface's distance are preferred there; 0: the nearest sample "

@@ -69,6 +69,11 @@ void CommandStreams::wait(std::size_t slot) {
             vkWaitForFences(device_, 1, stream.finished.address(), VK_TRUE, std::numeric_limits<std::uint64_t>::max()));
 }
 
+void CommandStreams::waitForAll() {
+    for (std::size_t slot = 0; slot < kFramesInFlight; ++slot)
+        wait(slot);
+}
+
 bool CommandStreams::isDone(std::size_t slot) const {
     for (const Stream& stream : slots_[slot]) {
         const VkResult status = vkGetFenceStatus(device_, stream.finished);
@@ -88,9 +93,9 @@ VkCommandBuffer CommandStreams::begin(std::size_t slot, int eye) {
     return stream.recorder.commands;
 }
 
-void CommandStreams::submit(std::size_t slot) {
+void CommandStreams::submit(std::size_t slot, EyeQueues queues) {
     std::vector<Stream>& streams = slots_[slot];
-    const bool joins = streams.size() > 1 && !device_.eyesShareQueue();
+    const bool joins = streams.size() > 1 && !device_.eyesShareQueue() && queues == EyeQueues::own;
     std::vector<VkSemaphore> joined;
     for (const Stream& stream : streams) // all before the first is submitted: what fails here leaves nothing half done
         check(vkEndCommandBuffer(stream.recorder.commands));
@@ -108,8 +113,9 @@ void CommandStreams::submit(std::size_t slot) {
         }
         // The first eye has finished when it has waited for the others, too: then the semaphores may be used again.
         const bool isFirst = joins && eye == 0;
-        checkSubmitted(vkQueueSubmit(device_.queue(static_cast<int>(eye)), 1, &info,
-                                     isFirst ? VK_NULL_HANDLE : VkFence(stream.finished)));
+        const int queue = queues == EyeQueues::own ? static_cast<int>(eye) : 0;
+        checkSubmitted(
+            vkQueueSubmit(device_.queue(queue), 1, &info, isFirst ? VK_NULL_HANDLE : VkFence(stream.finished)));
     }
     if (!joins) return;
     const std::vector<VkPipelineStageFlags> stages(joined.size(), VK_PIPELINE_STAGE_ALL_COMMANDS_BIT);

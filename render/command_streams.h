@@ -22,6 +22,12 @@ Recorder makeRecorder(const Device& device);
 
 Fence makeFence(const Device& device, VkFenceCreateFlags flags);
 
+/// Where the eyes of a frame are submitted to.
+enum class EyeQueues {
+    own,  ///< each to its own, where there are two
+    first ///< all to the first, one after the other, so that one may draw for both
+};
+
 class CommandStreams {
   public:
     CommandStreams(const Device& device, int eyes);
@@ -34,12 +40,14 @@ class CommandStreams {
     void wait(std::size_t slot);
     /// Whether it has; does not wait.
     bool isDone(std::size_t slot) const;
+    /// Waits for the frames of all slots: what they used may then go.
+    void waitForAll();
     /// Starts an eye's commands anew; the slot must have been waited for. Different eyes may be recorded by
     /// different threads.
     VkCommandBuffer begin(std::size_t slot, int eye);
-    /// Ends and submits all eyes of a slot, the left one first, each on its own queue where there are two. Whatever is
-    /// submitted to the first queue afterwards (by a headset's runtime) comes after both.
-    void submit(std::size_t slot);
+    /// Ends and submits all eyes of a slot, the left one first. Whatever is submitted to the first queue afterwards (by
+    /// a headset's runtime) comes after both. After a frame on the first queue alone, one on both must wait for it.
+    void submit(std::size_t slot, EyeQueues queues = EyeQueues::own);
 
   private:
     struct Stream {

@@ -356,7 +356,7 @@ void chooseDraws(const SceneIndex& scene, std::span<const ChunkPlace> places, st
             run = list.runs.empty() || list.runs.back().batch != next.batch ? 0 : run + 1;
             list.runs.push_back(next);
         }
-        chosen.run = run;
+        chosen.batch = next.batch, chosen.run = run;
         ++list.runs.back().count;
         list.items += itemsOf(tile, chosen.warp);
     }

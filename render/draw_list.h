@@ -51,7 +51,8 @@ struct DrawList {
         float orderDisparity = 0; ///< of the tile's middle; infinite if that is not before the eye
         float area = 0;           ///< square pixels that its samples cover, about
         std::uint32_t bucket = 0; ///< of draws that are put together
-        std::uint32_t run = 0;    ///< of its batch
+        std::uint32_t batch = 0;
+        std::uint32_t run = 0; ///< of its batch
     };
     std::vector<Chosen> chosen;
     std::vector<std::uint32_t> counts, order, firsts;

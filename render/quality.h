@@ -46,6 +46,10 @@ struct Quality {
     /// of one or two pixels, where such are filled anyway. It pays where much is hidden.
     bool leavesOutHidden = true;
 
+    /// Points and splats of two eyes: one pass reads each sample once and warps it to both (render/warp/stereo_pass.h).
+    /// Pictures are the same to the byte; docs/performance.md says where it is faster.
+    bool isOnePass = false;
+
     /// Only images of the positions about the walker are drawn (scene/plan/walk_cells.h), in a scene that can be walked
     /// so: a frame's cost then does not grow with the number of positions.
     bool walksByCells = true;

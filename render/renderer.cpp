@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <utility>
 
 namespace render {
 
@@ -35,6 +36,11 @@ constexpr Barrier kAfterResolve{kCompute, kWrite, VK_PIPELINE_STAGE_HOST_BIT | k
 constexpr Barrier kBetweenPictures{kCompute, kWrite, kCompute, kRead | kWrite};
 constexpr Barrier kAfterKeeping{kTransfer, VK_ACCESS_TRANSFER_WRITE_BIT, VK_PIPELINE_STAGE_HOST_BIT,
                                 VK_ACCESS_HOST_READ_BIT};
+
+void recordClear(VkCommandBuffer commands, const EyeTarget& target, int width, int height) {
+    const VkDeviceSize pixels = static_cast<VkDeviceSize>(width) * static_cast<VkDeviceSize>(height);
+    vkCmdFillBuffer(commands, target.zBuffer.handle(), 0, pixels * sizeof(std::uint64_t), 0);
+}
 
 } // namespace
 
@@ -75,6 +81,8 @@ FrameStats Renderer::draw(std::span<const scene::View> views, const Quality& qua
         choose(eyes_[i], views[i], quality, index);
     });
     makeRoom(quality);
+    const bool wasOnePass = std::exchange(isOnePass_, unite(quality, slot, stats));
+    if (wasOnePass && !isOnePass_ && !device_.eyesShareQueue()) streams_.waitForAll(); // it drew for both queues
     tbb::parallel_for(std::size_t{0}, eyes_.size(), [&](std::size_t i) {
         const int index = static_cast<int>(i);
         list(eyes_[i], quality, slot, index);
@@ -84,8 +92,10 @@ FrameStats Renderer::draw(std::span<const scene::View> views, const Quality& qua
     keptFrames_[slot].reset();
     if (keepsNext_) keptFrames_[slot] = frames_;
     keepsNext_ = false;
-    timed(stats.cpu, "submit", kWholeFrame, [&] { streams_.submit(slot); });
+    timed(stats.cpu, "submit", kWholeFrame,
+          [&] { streams_.submit(slot, isOnePass_ ? EyeQueues::first : EyeQueues::own); });
 
+    stats.isOnePass = isOnePass_;
     for (std::size_t i = 0; i < eyes_.size(); ++i) {
         const Eye& eye = eyes_[i];
         stats.cpu.insert(stats.cpu.end(), eye.times.begin(), eye.times.end());
@@ -126,8 +136,7 @@ void Renderer::makeTargets(Eye& eye, const Quality& quality, int roomWidth, int 
                needsPolygons = polygonPass_ && (!eye.polygons || eye.polygons->colours.width < roomWidth ||
                                                 eye.polygons->colours.height < roomHeight);
     if (!needsBlend && !needsScaled && !needsPolygons) return;
-    for (std::size_t slot = 0; slot < kFramesInFlight; ++slot)
-        streams_.wait(slot); // what goes may be in use
+    streams_.waitForAll(); // what goes may be in use
     if (needsBlend) {
         eye.blend.reset();
         eye.blend = makeBlendTarget(device_, blend_, room, kFirstBlendDraws);
@@ -148,14 +157,30 @@ void Renderer::makeRoom(const Quality& quality) {
         const bool isShort = eye.list.tiles > target.mostDraws,
                    isShortToBlend = quality.isBlended && eye.blendList.tiles > eye.blend->mostDraws;
         if (!isShort && !isShortToBlend) continue;
-        for (std::size_t slot = 0; slot < kFramesInFlight; ++slot)
-            streams_.wait(slot); // what goes may be in use
+        streams_.waitForAll(); // what goes may be in use
         makeRoomForDraws(device_, target, eye.list.tiles);
         if (!isShortToBlend) continue;
         const std::size_t pixels = eye.blend->pixels;
         eye.blend.reset();
         eye.blend = makeBlendTarget(device_, blend_, pixels, eye.blendList.tiles + eye.blendList.tiles / 2);
     }
+}
+
+bool Renderer::unite(const Quality& quality, std::size_t slot, FrameStats& stats) {
+    if (!quality.isOnePass || !whyNotInOnePass(device_, quality, eyes()).empty()) return false;
+    bool canBe = false;
+    timed(stats.cpu, "unite", kWholeFrame, [&] {
+        canBe = uniteDraws(scene_.index(), scene_.places(), eyes_[0].list, eyes_[1].list, pairs_);
+        if (!canBe) return;
+        if (!stereo_) stereo_ = makeStereoPass(device_, scene_.pageLayout(), eyeLayout_);
+        if (!stereoTarget_ || stereoTarget_->mostPairs < pairs_.pairs.size()) {
+            streams_.waitForAll(); // what goes may be in use
+            stereoTarget_.reset();
+            stereoTarget_ = makeStereoTarget(device_, *stereo_, pairs_.pairs.size() + pairs_.pairs.size() / 2);
+        }
+        std::copy(pairs_.pairs.begin(), pairs_.pairs.end(), stereoTarget_->pairs[slot].as<PairDraw>().begin());
+    });
+    return canBe;
 }
 
 void Renderer::choose(Eye& eye, const scene::View& given, const Quality& quality, int index) {
@@ -217,19 +242,14 @@ void Renderer::recordCommands(Eye& eye, const scene::View& view, const Quality& 
         const VkCommandBuffer commands = streams_.begin(slot, index);
         const VkDescriptorSet eyeSet = eye.warped().sets[slot];
         StepTimer& timer = eye.timers[slot];
-        record(commands, kAfterLastFrame);
+        // In one pass the first eye's commands, which come before, have waited for both.
+        if (!isOnePass_ || index == 0) record(commands, kAfterLastFrame);
         timer.begin(commands);
 
-        const VkDeviceSize pixels =
-            static_cast<VkDeviceSize>(eye.warpWidth) * static_cast<VkDeviceSize>(eye.warpHeight);
-        vkCmdFillBuffer(commands, eye.warped().zBuffer.handle(), 0, pixels * sizeof(std::uint64_t), 0);
-        record(commands, kAfterClear);
-        timer.mark(commands, "clear");
-
-        recordWarpInBatches(commands, occlusion_, warps_, scene_, eyeSet, eye.warped(), eye.list.runs, eye.warpWidth,
-                            eye.warpHeight, quality.holes.radius > 0);
-        record(commands, kAfterWarp);
-        timer.mark(commands, "warp");
+        if (!isOnePass_)
+            recordClearAndWarp(commands, eye, quality, slot);
+        else if (index == 0)
+            recordOnePass(commands, quality, slot);
 
         if (polygonPass_) {
             recordPolygonsInto(commands, eye, view, eyeSet);
@@ -283,6 +303,31 @@ void Renderer::recordCommands(Eye& eye, const scene::View& view, const Quality& 
             timer.mark(commands, "depth");
         }
     });
+}
+
+void Renderer::recordClearAndWarp(VkCommandBuffer commands, Eye& eye, const Quality& quality, std::size_t slot) {
+    recordClear(commands, eye.warped(), eye.warpWidth, eye.warpHeight);
+    record(commands, kAfterClear);
+    eye.timers[slot].mark(commands, "clear");
+
+    recordWarpInBatches(commands, occlusion_, warps_, scene_, eye.warped().sets[slot], eye.warped(), eye.list.runs,
+                        eye.warpWidth, eye.warpHeight, quality.holes.radius > 0);
+    record(commands, kAfterWarp);
+    eye.timers[slot].mark(commands, "warp");
+}
+
+void Renderer::recordOnePass(VkCommandBuffer commands, const Quality& quality, std::size_t slot) {
+    StepTimer& timer = eyes_[0].timers[slot];
+    for (const Eye& eye : eyes_)
+        recordClear(commands, eye.warped(), eye.warpWidth, eye.warpHeight);
+    record(commands, kAfterClear);
+    timer.markBoth(commands, "clear");
+
+    recordStereoWarp(commands, *stereo_, occlusion_, scene_,
+                     {eyes_[0].warped().sets[slot], eyes_[1].warped().sets[slot]}, *stereoTarget_, slot, pairs_.runs,
+                     eyes_[0].warpWidth, eyes_[0].warpHeight, quality.holes.radius > 0);
+    record(commands, kAfterWarp);
+    timer.markBoth(commands, "warp");
 }
 
 void Renderer::recordPolygonsInto(VkCommandBuffer commands, Eye& eye, const scene::View& view, VkDescriptorSet eyeSet) {

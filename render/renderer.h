@@ -18,6 +18,7 @@
 #include "render/warp/blend_pass.h"
 #include "render/warp/occlusion_pass.h"
 #include "render/warp/polygon_pass.h"
+#include "render/warp/stereo_pass.h"
 #include "render/warp/warp_pass.h"
 #include "scene/view.h"
 
@@ -39,10 +40,11 @@ struct EyeCounts {
 
 struct FrameStats {
     std::uint64_t frame = 0;
-    std::vector<StepTime> cpu; ///< wait, cull, choose, list, overlay, record, submit
+    std::vector<StepTime> cpu; ///< wait, cull, choose, unite, list, overlay, record, submit
     std::vector<StepTime> gpu; ///< clear, warp, polygons, blend, resolve, unseen, rescale, overlay; of the frame
                                ///< gpuFrame, empty while none has finished
     std::uint64_t gpuFrame = 0;
+    bool isOnePass = false; ///< the eyes were warped together; their warp is a step of both
     std::array<EyeCounts, kMaxEyes> eyes{};
 };
 
@@ -113,11 +115,15 @@ class Renderer {
     void choose(Eye& eye, const scene::View& view, const Quality& quality, int index);
     /// For what was chosen; waits for the device where there is not enough.
     void makeRoom(const Quality& quality);
+    /// Whether the eyes are warped together in this frame; then their lists are united.
+    bool unite(const Quality& quality, std::size_t slot, FrameStats& stats);
     void list(Eye& eye, const Quality& quality, std::size_t slot, int index);
     std::span<const SourceView> capturedOf(const Eye& eye) const;
     void prepareOverlay(Eye& eye, const scene::View& view, const Overlay& overlay, std::size_t slot, int index);
     void recordCommands(Eye& eye, const scene::View& view, const Quality& quality, const EyeOutput& output,
                         std::size_t slot, int index);
+    void recordClearAndWarp(VkCommandBuffer commands, Eye& eye, const Quality& quality, std::size_t slot);
+    void recordOnePass(VkCommandBuffer commands, const Quality& quality, std::size_t slot);
     void recordKeeping(VkCommandBuffer commands, Eye& eye, std::size_t slot) const;
     void readTimes(std::size_t slot, std::vector<StepTime>& times) const;
 
@@ -137,6 +143,10 @@ class Renderer {
     const GpuPolygons* polygons_;
     std::optional<PolygonPass> polygonPass_;
     std::vector<Eye> eyes_;
+    std::optional<StereoPass> stereo_; ///< made when first wanted, as its target
+    std::optional<StereoTarget> stereoTarget_;
+    PairList pairs_;
+    bool isOnePass_ = false;   ///< in this frame
     std::uint64_t frames_ = 0; ///< drawn so far
     bool keepsNext_ = false;
     std::array<std::optional<std::uint64_t>, kFramesInFlight> keptFrames_; ///< by slot; not taken yet

@@ -17,6 +17,8 @@ constexpr std::array kEyeBindings{Binding::storage, Binding::storage, Binding::s
                                   Binding::storage, Binding::texels,  Binding::storage,
                                   Binding::storage, Binding::storage, Binding::storage};
 
+static_assert(std::count(kEyeBindings.begin(), kEyeBindings.end(), Binding::storage) == kEyeStorageBuffers);
+
 constexpr std::uint32_t kDrawsBinding = 0, kPassedBinding = 7;
 constexpr std::size_t kFirstDraws = 4096;
 

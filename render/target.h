@@ -17,6 +17,7 @@ inline constexpr int kFramesInFlight = 2;
 /// 5 which blocks of it hold anything; 6 the nearest that each block hides, 7 draws that passed a test against that, 8
 /// how many of each run.
 DescriptorSetLayout makeEyeLayout(const Device& device);
+inline constexpr std::uint32_t kEyeStorageBuffers = 8; ///< of them: all but the texels
 
 /// One z-buffer and picture serve all frames in flight: they follow one another on the eye's queue. The draw
 /// lists, which the processor writes ahead, do not.

@@ -35,9 +35,9 @@ void StepTimer::begin(VkCommandBuffer commands) {
     write(commands);
 }
 
-void StepTimer::mark(VkCommandBuffer commands, const char* step) {
+void StepTimer::mark(VkCommandBuffer commands, const char* step, bool isOfBoth) {
     if (pool_ == VK_NULL_HANDLE) return;
-    steps_.push_back(step);
+    steps_.push_back({step, isOfBoth});
     write(commands);
 }
 
@@ -53,7 +53,8 @@ void StepTimer::read(int eye, std::vector<StepTime>& times) const {
         check(vkGetQueryPoolResults(device_, pool_, i * kQueriesPerMark, 1, sizeof(std::uint64_t), &ticks[i],
                                     sizeof(std::uint64_t), VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT));
     for (std::size_t i = 0; i < steps_.size(); ++i)
-        times.push_back({steps_[i], eye, static_cast<double>(ticks[i + 1] - ticks[i]) * millisecondsPerTick_,
+        times.push_back({steps_[i].name, steps_[i].isOfBoth ? kWholeFrame : eye,
+                         static_cast<double>(ticks[i + 1] - ticks[i]) * millisecondsPerTick_,
                          static_cast<double>(ticks[i]) * millisecondsPerTick_});
 }
 

@@ -39,18 +39,25 @@ class StepTimer {
     void begin(VkCommandBuffer commands);
     /// After a step and the barrier that ends it: without that barrier a device may write the time before the
     /// work is done. step must outlive the timer.
-    void mark(VkCommandBuffer commands, const char* step);
+    void mark(VkCommandBuffer commands, const char* step) { mark(commands, step, false); }
+    /// The same for a step that is not of one eye.
+    void markBoth(VkCommandBuffer commands, const char* step) { mark(commands, step, true); }
     /// Appends the steps' times; only when the commands are known to have finished.
     void read(int eye, std::vector<StepTime>& times) const;
 
   private:
     static constexpr std::uint32_t kMaxMarks = 16;
+    struct Step {
+        const char* name = "";
+        bool isOfBoth = false;
+    };
+    void mark(VkCommandBuffer commands, const char* step, bool isOfBoth);
     void write(VkCommandBuffer commands);
 
     VkDevice device_ = VK_NULL_HANDLE;
     QueryPool pool_;
     double millisecondsPerTick_ = 0;
-    std::vector<const char*> steps_;
+    std::vector<Step> steps_;
     std::uint32_t written_ = 0;
 };
 

@@ -22,6 +22,7 @@ revisit_test(revisit_render_tests LABELS gpu LINKS revisit_render_scenes TBB::tb
         render/selection_test.cpp
         render/shared_math_test.cpp
         render/splats_test.cpp
+        render/stereo_test.cpp
         render/studio.cpp
         render/test_device.cpp
         render/visibility_test.cpp)

@@ -3,7 +3,6 @@
 #include "render/command_streams.h"
 #include "render/device.h"
 #include "render/gpu_scene.h"
-#include "render/shaders/shared/occlusion.h"
 #include "spirv/occluders.comp.h"
 #include "spirv/occlusion.comp.h"
 
@@ -39,13 +38,27 @@ OcclusionPass makeOcclusionPass(const Device& device, VkDescriptorSetLayout eyeL
     return pass;
 }
 
+void recordPassing(VkCommandBuffer commands, const OcclusionPass& pass, std::span<const VkDescriptorSet> eyeSets,
+                   const OccluderConstants& constants, const Buffer& passedRuns, std::span<const PassedRun> none,
+                   const std::function<void()>& recordTest) {
+    record(commands, kBeforeSizes);
+    vkCmdUpdateBuffer(commands, passedRuns.handle(), 0, none.size_bytes(), none.data());
+    record(commands, kAfterWarp);
+    const VkPipelineLayout layout = pass.occluders.layout;
+    vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pass.occluders.pipeline);
+    vkCmdPushConstants(commands, layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof constants, &constants);
+    for (const VkDescriptorSet& eyeSet : eyeSets) {
+        vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, layout, 0, 1, &eyeSet, 0, nullptr);
+        vkCmdDispatch(commands, static_cast<std::uint32_t>(occludersAlong(constants.height)), 1, 1);
+    }
+    record(commands, kAfterOccluders);
+    recordTest();
+    record(commands, kAfterCull);
+}
+
 void recordWarpInBatches(VkCommandBuffer commands, const OcclusionPass& pass, const WarpPasses& warps,
                          const GpuScene& scene, VkDescriptorSet eyeSet, const EyeTarget& target,
                          std::span<const DrawRun> runs, int width, int height, bool closesGaps) {
-    const auto bind = [&](const ComputePipeline& pipeline) {
-        vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline.pipeline);
-        vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline.layout, 0, 1, &eyeSet, 0, nullptr);
-    };
     while (!runs.empty()) {
         const std::uint32_t batch = runs.front().batch;
         const auto end = std::find_if(runs.begin(), runs.end(), [&](const DrawRun& run) { return run.batch != batch; });
@@ -55,30 +68,24 @@ void recordWarpInBatches(VkCommandBuffer commands, const OcclusionPass& pass, co
             recordWarp(commands, warps, scene, eyeSet, now, width, height);
             continue;
         }
-        record(commands, kBeforeSizes);
         std::vector<PassedRun> none;
         std::uint32_t tiles = 0;
         for (const DrawRun& run : now) {
             none.push_back({0, 1, 1, run.first | (run.warp == Warp::splats ? kSplatRun : 0)});
             tiles += run.count;
         }
-        vkCmdUpdateBuffer(commands, target.passedRuns.handle(), 0, none.size() * sizeof none[0], none.data());
-        record(commands, kAfterWarp);
         const OccluderConstants occluders{width, height, closesGaps ? 1 : 0};
-        bind(pass.occluders);
-        vkCmdPushConstants(commands, pass.occluders.layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof occluders,
-                           &occluders);
-        vkCmdDispatch(commands, static_cast<std::uint32_t>(occludersAlong(height)), 1, 1);
-        record(commands, kAfterOccluders);
-        bind(pass.cull);
-        const std::uint32_t atOnce = kMaxWorkgroups * pass.cullSize;
-        for (std::uint32_t done = 0; done < tiles; done += atOnce) {
-            const OcclusionConstants constants{now[0].first + done, std::min(tiles - done, atOnce), width, height};
-            vkCmdPushConstants(commands, pass.cull.layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof constants,
-                               &constants);
-            vkCmdDispatch(commands, (constants.count + pass.cullSize - 1) / pass.cullSize, 1, 1);
-        }
-        record(commands, kAfterCull);
+        recordPassing(commands, pass, std::span(&eyeSet, 1), occluders, target.passedRuns, none, [&] {
+            const VkPipelineLayout layout = pass.cull.layout;
+            vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pass.cull.pipeline);
+            vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, layout, 0, 1, &eyeSet, 0, nullptr);
+            const std::uint32_t atOnce = kMaxWorkgroups * pass.cullSize;
+            for (std::uint32_t done = 0; done < tiles; done += atOnce) {
+                const OcclusionConstants constants{now[0].first + done, std::min(tiles - done, atOnce), width, height};
+                vkCmdPushConstants(commands, layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof constants, &constants);
+                vkCmdDispatch(commands, (constants.count + pass.cullSize - 1) / pass.cullSize, 1, 1);
+            }
+        });
         recordPassed(commands, warps, scene, target, now, width, height);
     }
 }

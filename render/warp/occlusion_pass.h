@@ -2,10 +2,12 @@
 // Between batches of tiles, near to far: those behind what is drawn already are left out (shaders/shared/occlusion.h).
 
 #include "render/pipeline.h"
+#include "render/shaders/shared/occlusion.h"
 #include "render/target.h"
 #include "render/warp/warp_pass.h"
 
 #include <cstdint>
+#include <functional>
 #include <span>
 
 namespace render {
@@ -16,6 +18,12 @@ struct OcclusionPass {
 };
 
 OcclusionPass makeOcclusionPass(const Device& device, VkDescriptorSetLayout eyeLayout);
+
+/// Between two batches: sets the counts of what passes to none, finds what the z-buffers of the eyes hide, and has
+/// `recordTest` pass on what is not, ready to be dispatched indirectly.
+void recordPassing(VkCommandBuffer commands, const OcclusionPass& pass, std::span<const VkDescriptorSet> eyeSets,
+                   const OccluderConstants& constants, const Buffer& passedRuns, std::span<const PassedRun> none,
+                   const std::function<void()>& recordTest);
 
 /// Draws the runs, batch after batch. The z-buffer must be clear, and is finished behind the caller's next barrier.
 /// closesGaps: what is behind gaps of one or two pixels is left out, too.

@@ -104,6 +104,31 @@ TEST_F(Walk, StereoFramesHaveTheRightParallax) {
     EXPECT_LT(rightWay, 0.7 * wrongWay);
 }
 
+TEST_F(Walk, InOnePassPicturesAreTheSameAndWhatHasNoneSaysSo) {
+    const auto draw = [&](const std::string& warp, const std::string& onePass) {
+        const std::string out = path("pass-" + onePass);
+        std::filesystem::remove_all(out);
+        const Outcome drawn =
+            run({kRevisit, "render", path("room.revisit"), "--out", out, "--aux", "--path", capture() + "/walk.json",
+                 "--size", "160x120", "--warp", warp, "--one-pass", onePass},
+                folder());
+        EXPECT_EQ(drawn.status, 0) << drawn.output;
+        return drawn.output;
+    };
+    const auto isSaid = [](const std::string& output) { return output.find("--one-pass") != std::string::npos; };
+    for (const std::string warp : {"points", "splats", "mesh"}) {
+        EXPECT_FALSE(isSaid(draw(warp, "false")));
+        EXPECT_EQ(isSaid(draw(warp, "true")), warp == "mesh");
+        const nlohmann::json report = readJson(path("pass-true") + "/report.json");
+        EXPECT_EQ(report.at("frames_in_one_pass"), warp == "mesh" ? nlohmann::json(0) : report.at("frames"));
+        auto apart = filesOf(path("pass-false")), together = filesOf(path("pass-true"));
+        for (auto* files : {&apart, &together})
+            std::erase_if(*files, [](const auto& file) { return file.first.ends_with("report.json"); });
+        EXPECT_EQ(together, apart) << warp;
+        EXPECT_FALSE(apart.empty());
+    }
+}
+
 TEST_F(Walk, WhoIsLedSeesWhatRenderDraws) {
     nlohmann::json poses = nlohmann::json::array();
     for (int i = 0; i < 6; ++i) {

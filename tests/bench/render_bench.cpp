@@ -15,6 +15,9 @@
 #include <chrono>
 #include <cstring>
 #include <limits>
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace render {
 namespace {
@@ -117,6 +120,41 @@ BENCHMARK_CAPTURE(stereoFrames, points1, Quality{.maxFootprint = 1})->Iterations
 BENCHMARK_CAPTURE(stereoFrames, points4, Quality{.maxFootprint = 4})->Iterations(10)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(stereoFrames, splats, Quality{.warp = Warp::splats})->Iterations(10)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(stereoFrames, mesh, Quality{.warp = Warp::mesh})->Iterations(10)->Unit(benchmark::kMillisecond);
+
+double quantileOf(std::vector<double> values, double share) {
+    std::sort(values.begin(), values.end());
+    return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
+}
+
+/// Both eyes in one pass against a pass for each, frame by frame in turns: how long the warps of a frame take.
+void onePassAgainstOneEach(benchmark::State& state, Quality quality) {
+    const GpuScene gpuScene(benchDevice(), room().blocks());
+    Renderer renderer(benchDevice(), gpuScene, 640, 480, 2);
+    const auto [left, right] = scene::eyesOf(wideView().camera, wideView().worldFromEye, 0.063);
+    const std::array views{left, right};
+    std::array<std::vector<double>, 2> times; // of one each, of one pass
+    for (auto _ : state)
+        for (const bool isOnePass : {false, true}) {
+            quality.isOnePass = isOnePass;
+            renderer.draw(views, quality);
+            times[isOnePass ? 1 : 0].push_back(warpTime(renderer.finish()));
+        }
+    for (const auto& [name, share] : {std::pair{"best", 0.0}, {"median", 0.5}, {"p99", 0.99}}) {
+        const double each = quantileOf(times[0], share), together = quantileOf(times[1], share);
+        state.counters[std::string("one_each_ms_") + name] = each;
+        state.counters[std::string("one_pass_ms_") + name] = together;
+        state.counters[std::string("ratio_") + name] = together / each;
+    }
+}
+BENCHMARK_CAPTURE(onePassAgainstOneEach, points1, Quality{.maxFootprint = 1})
+    ->Iterations(100)
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(onePassAgainstOneEach, points4, Quality{.maxFootprint = 4})
+    ->Iterations(100)
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(onePassAgainstOneEach, splats, Quality{.warp = Warp::splats})
+    ->Iterations(100)
+    ->Unit(benchmark::kMillisecond);
 
 /// A test of one tile after the other, as one writes it without vectors.
 std::size_t findVisibleOneByOne(const TileBounds& b, const ImagePlanes& planes, std::uint32_t* visible) {

@@ -10,6 +10,7 @@
 #include <glm/geometric.hpp>
 
 #include <algorithm>
+#include <array>
 #include <random>
 #include <set>
 
@@ -213,6 +214,31 @@ TEST_F(StreamTest, AfterASettledPictureAllThatIsThereIsShownAgain) {
         part.follow({&next, 1}, near);
         EXPECT_GE(there(), settled) << "but nothing had to go";
     }
+}
+
+/// Where surfaces stand in for what is not there, eyes are drawn one by one, in a frame that was asked for in one pass.
+TEST_F(StreamTest, InOnePassTheSameIsSeenOfWhatIsThere) {
+    std::size_t inOnePass = 0, eyeByEye = 0;
+    for (const std::size_t budget : {allBytes() / 10, 3 * allBytes() / 4}) {
+        GpuScene part(testDevice(), blocks_, {.budgetBytes = budget});
+        Renderer renderer(testDevice(), part, kEye.width, kEye.height, 2);
+        for (const Warp warp : {Warp::points, Warp::splats})
+            for (int i = 0; i < 4; ++i) {
+                const std::array eyes{eyeIn(i, 1.5 * i), eyeIn(i, 1.5 * i + 0.3)};
+                Quality quality;
+                quality.warp = warp;
+                if (i % 2 == 0) part.settle(eyes, quality);
+                part.follow(eyes, quality);
+                renderer.draw(eyes, quality);
+                const std::vector<EyeImage> expected = renderer.readBack();
+                quality.isOnePass = true;
+                ++(renderer.draw(eyes, quality).isOnePass ? inOnePass : eyeByEye);
+                for (std::size_t eye = 0; eye < 2; ++eye)
+                    EXPECT_TRUE(isSame(renderer.readBack()[eye], expected[eye])) << budget << " " << i;
+            }
+    }
+    EXPECT_GT(inOnePass, 0u);
+    EXPECT_GT(eyeByEye, 0u);
 }
 
 TEST_F(StreamTest, ABudgetTooSmallForTheCoarsestIsRefused) {

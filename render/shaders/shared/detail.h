@@ -46,19 +46,28 @@ SHARED_FUNCTION bool isByDetail(TileDraw draw) {
 /// So that what an image's share and its levels leave out are not the same samples.
 SHARED_CONSTANT uint kShareSalt = 128u;
 
+/// What decides by chance: by the share of the image; by the sample's own level; by the next coarser one. Alike for
+/// both eyes.
+SHARED_FUNCTION vec3 chancesOf(TileDraw draw, uint x, uint y) {
+    uint imageX = draw.source.x + x, imageY = draw.source.y + y, level = draw.source.z & 255u, image = imageOf(draw);
+    return vec3(hashOfSample(imageX, imageY, level + kShareSalt, image), hashOfSample(imageX, imageY, level, image),
+                hashOfSample(imageX >> 1, imageY >> 1, level + 1u, image));
+}
+
 /// Whether the sample (x, y), counted from its tile's first, is drawn at this w. draw.detail: measure of its own level
 /// over w; 1 if there is a finer level; 1 if there is a coarser one.
-SHARED_FUNCTION bool isOfDetail(TileDraw draw, uint x, uint y, float w) {
-    uint imageX = draw.source.x + x, imageY = draw.source.y + y, level = draw.source.z & 255u, image = imageOf(draw);
-    bool isShown = hashOfSample(imageX, imageY, level + kShareSalt, image) < shareOf(draw);
+SHARED_FUNCTION bool isOfDetail(TileDraw draw, vec3 chances, float w) {
+    bool isShown = chances.x < shareOf(draw);
     if (draw.detail.x == 0.0f) return isShown;
     PRECISE float measure = draw.detail.x * w;
     PRECISE float own = measure * (1.0f + kDetailOverlap);
     PRECISE float coarser = measure * (0.5f - 0.5f * kDetailOverlap);
-    bool isWanted = draw.detail.y == 0.0f || hashOfSample(imageX, imageY, level, image) < shareOfLevel(own);
-    bool isReplaced =
-        draw.detail.z != 0.0f && hashOfSample(imageX >> 1, imageY >> 1, level + 1u, image) < shareOfLevel(coarser);
+    bool isWanted = draw.detail.y == 0.0f || chances.y < shareOfLevel(own);
+    bool isReplaced = draw.detail.z != 0.0f && chances.z < shareOfLevel(coarser);
     return isShown && isWanted && !isReplaced;
+}
+SHARED_FUNCTION bool isOfDetail(TileDraw draw, uint x, uint y, float w) {
+    return isOfDetail(draw, chancesOf(draw, x, y), w);
 }
 
 SHARED_END

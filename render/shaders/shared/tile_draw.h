@@ -67,14 +67,18 @@ SHARED_FUNCTION float shareOf(TileDraw draw) {
 /// Nearest surface that is drawn, 10 micrometres before the eye, as eye disparity in 1/m.
 SHARED_CONSTANT float kMaxEyeDisparity = 1e5f;
 
-/// place as in scene::TileVertex: x | y << bits | q << 2 bits. Through int because processors convert that faster.
-SHARED_FUNCTION vec4 warpSample(TileDraw draw, uint place) {
+/// (x, y, quantised disparity) of a sample in its tile, alike for both eyes. place as in scene::TileVertex: x | y <<
+/// bits | q << 2 bits. Through int because processors convert that faster.
+SHARED_FUNCTION vec3 placeInTile(TileDraw draw, uint place) {
     uint bits = placeBitsOf(draw), mask = (1u << bits) - 1u;
-    float x = float(int(place & mask));
-    float y = float(int((place >> bits) & mask));
-    float q = float(int(place >> (2u * bits)));
-    PRECISE vec4 h = draw.base + x * draw.perX + y * draw.perY + q * draw.perQ;
+    return vec3(float(int(place & mask)), float(int((place >> bits) & mask)), float(int(place >> (2u * bits))));
+}
+SHARED_FUNCTION vec4 warpPlace(TileDraw draw, vec3 at) {
+    PRECISE vec4 h = draw.base + at.x * draw.perX + at.y * draw.perY + at.z * draw.perQ;
     return h;
+}
+SHARED_FUNCTION vec4 warpSample(TileDraw draw, uint place) {
+    return warpPlace(draw, placeInTile(draw, place));
 }
 
 /// Where a sample stands in its tile.

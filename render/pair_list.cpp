@@ -1,0 +1,87 @@
+#include "render/pair_list.h"
+
+#include "render/pipeline.h"
+#include "render/target.h"
+
+#include <algorithm>
+#include <cassert>
+
+namespace render {
+
+namespace {
+
+bool isOfSamples(const DrawList& list) {
+    return std::all_of(list.runs.begin(), list.runs.end(),
+                       [](const DrawRun& run) { return run.warp == Warp::points || run.warp == Warp::splats; });
+}
+
+const DrawList::Chosen& chosenOf(const DrawList& list, std::uint32_t draw) {
+    return list.chosen[list.order[draw]];
+}
+
+/// Pairs in no order, and the bucket of each. A tile stands once in each list: only surfaces that stand
+/// in for finer ones are drawn twice.
+void findPairs(const SceneIndex& scene, const DrawList& left, const DrawList& right, PairList& list) {
+    list.unsorted.clear(), list.buckets.clear();
+    list.rightOfTile.resize(scene.tiles.size(), kNoDraw);
+    const auto add = [&](PairDraw pair, const DrawList::Chosen& chosen) {
+        list.unsorted.push_back(pair);
+        list.buckets.push_back(chosen.bucket);
+    };
+    for (std::uint32_t i = 0; i < right.tiles; ++i)
+        list.rightOfTile[chosenOf(right, i).tile] = i;
+    for (std::uint32_t i = 0; i < left.tiles; ++i) {
+        const DrawList::Chosen& chosen = chosenOf(left, i);
+        std::uint32_t& other = list.rightOfTile[chosen.tile];
+        const bool isShared = other != kNoDraw && chosenOf(right, other).batch == chosen.batch &&
+                              chosenOf(right, other).warp == chosen.warp;
+        add({i, isShared ? other : kNoDraw, 0}, chosen);
+        if (isShared) other = kNoDraw;
+    }
+    for (std::uint32_t i = 0; i < right.tiles; ++i) {
+        const DrawList::Chosen& chosen = chosenOf(right, i);
+        std::uint32_t& rest = list.rightOfTile[chosen.tile];
+        if (rest != kNoDraw) add({kNoDraw, i, 0}, chosen);
+        rest = kNoDraw;
+    }
+}
+
+} // namespace
+
+bool uniteDraws(const SceneIndex& scene, std::span<const ChunkPlace> places, const DrawList& left,
+                const DrawList& right, PairList& list) {
+    if (!isOfSamples(left) || !isOfSamples(right)) return false;
+    findPairs(scene, left, right, list);
+
+    const auto highest = std::max_element(list.buckets.begin(), list.buckets.end());
+    list.firsts.assign(highest != list.buckets.end() ? std::size_t{*highest} + 2 : 1, 0);
+    for (const std::uint32_t bucket : list.buckets)
+        ++list.firsts[bucket + 1];
+    for (std::size_t i = 1; i < list.firsts.size(); ++i)
+        list.firsts[i] += list.firsts[i - 1];
+    list.pairs.resize(list.unsorted.size());
+    for (std::size_t i = 0; i < list.unsorted.size(); ++i)
+        list.pairs[list.firsts[list.buckets[i]]++] = list.unsorted[i];
+
+    list.runs.clear();
+    std::uint32_t run = 0; // of its batch
+    for (std::uint32_t i = 0; i < list.pairs.size(); ++i) {
+        PairDraw& pair = list.pairs[i];
+        const DrawList::Chosen& chosen = pair.left != kNoDraw ? chosenOf(left, pair.left) : chosenOf(right, pair.right);
+        const DrawRun next{places[scene.tiles[chosen.tile].chunk].page, i, 0, chosen.warp, chosen.batch};
+        const auto isSameRun = [&](const DrawRun& last) {
+            return last.page == next.page && last.warp == next.warp && last.batch == next.batch &&
+                   last.count < kMaxWorkgroups;
+        };
+        if (list.runs.empty() || !isSameRun(list.runs.back())) {
+            run = list.runs.empty() || list.runs.back().batch != next.batch ? 0 : run + 1;
+            if (run >= kMostTestedRuns) return false;
+            list.runs.push_back(next);
+        }
+        pair.run = run;
+        ++list.runs.back().count;
+    }
+    return true;
+}
+
+} // namespace render

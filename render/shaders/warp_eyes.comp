@@ -1,0 +1,133 @@
+#version 460
+// The points of warp_points.comp and the splats of warp_splats.comp for two eyes: a sample is read once and warped twice.
+// One workgroup draws one tile; its invocations take the samples in turns. Each eye keeps its own draw of the tile, and
+// so its own level of detail, order and size: its picture is the same to the byte as if it were drawn alone.
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
+#extension GL_EXT_shader_atomic_int64 : require
+
+#include "render/shaders/shared/detail.h"
+#include "render/shaders/shared/splat.h"
+#include "render/shaders/shared/stereo.h"
+#include "render/shaders/shared/z_key.h"
+
+layout(local_size_x_id = 0) in;
+layout(constant_id = 1) const uint IS_SPLATS = 0u;
+
+layout(set = 0, binding = 0) uniform usamplerBuffer vertices;
+layout(std430, set = 1, binding = 0) readonly buffer LeftDraws { TileDraw leftDraws[]; };
+layout(std430, set = 1, binding = 1) buffer LeftZBuffer { uint64_t leftZBuffer[]; };
+layout(std430, set = 2, binding = 0) readonly buffer RightDraws { TileDraw rightDraws[]; };
+layout(std430, set = 2, binding = 1) buffer RightZBuffer { uint64_t rightZBuffer[]; };
+layout(std430, set = 3, binding = 0) readonly buffer Pairs { PairDraw pairs[]; };
+layout(push_constant) uniform Constants { WarpConstants constants; };
+
+const uint kLeft = 0u, kRight = 1u;
+
+/// How an eye draws the tile: alike for all of its samples.
+struct EyeDraw {
+    TileDraw draw;
+    uint eye;
+    uint levelAndClass;
+    int side; // of a sample, pixels
+    float radius; // of a splat, pixels
+    float perRadius2; // 1 / radius^2
+};
+
+EyeDraw eyeDrawOf(uint eye, TileDraw draw)
+{
+    EyeDraw own;
+    own.draw = draw;
+    own.eye = eye;
+    own.levelAndClass = levelAndClassOf(draw);
+    own.radius = splatRadiusOf(draw);
+    own.side = IS_SPLATS != 0u ? splatSideOf(own.radius) : footprintOf(draw);
+    precise float perRadius2 = 1.0f / (own.radius * own.radius);
+    own.perRadius2 = perRadius2;
+    return own;
+}
+
+void put(uint eye, int pixel, uint64_t key)
+{
+    if (eye == kLeft)
+        atomicMax(leftZBuffer[pixel], key);
+    else
+        atomicMax(rightZBuffer[pixel], key);
+}
+
+void drawSquare(EyeDraw own, ivec2 corner, uint64_t key)
+{
+    ivec2 first = max(corner, 0), end = min(corner + own.side, ivec2(constants.width, constants.height));
+    for (int y = first.y; y < end.y; ++y)
+        for (int x = first.x; x < end.x; ++x) put(own.eye, y * constants.width + x, key);
+}
+
+void drawPixel(EyeDraw own, int x, int y, vec2 offset, float centre, uint colour)
+{
+    float disparity = splatDisparity(centre, offset, own.perRadius2);
+    bool isInside = uint(x) < uint(constants.width) && uint(y) < uint(constants.height);
+    if (disparity >= 0.0f && isInside)
+        put(own.eye, y * constants.width + x, packUint2x32(packKey(disparity, colour, own.levelAndClass)));
+}
+
+void drawCircle(EyeDraw own, ivec2 corner, vec3 seen, uint colour)
+{
+    vec2 offset = vec2(corner) + 0.5f - seen.xy;
+    if (own.side == 2) { // as in warp_splats.comp
+        drawPixel(own, corner.x, corner.y, offset, seen.z, colour);
+        drawPixel(own, corner.x + 1, corner.y, offset + vec2(1, 0), seen.z, colour);
+        drawPixel(own, corner.x, corner.y + 1, offset + vec2(0, 1), seen.z, colour);
+        drawPixel(own, corner.x + 1, corner.y + 1, offset + vec2(1, 1), seen.z, colour);
+    } else {
+        for (int y = 0; y < own.side; ++y)
+            for (int x = 0; x < own.side; ++x)
+                drawPixel(own, corner.x + x, corner.y + y, offset + vec2(x, y), seen.z, colour);
+    }
+}
+
+/// Conditions are gathered instead of returned upon: processors run what is behind a return all the same, and slower.
+void drawSample(EyeDraw own, vec3 at, vec3 chances, uint colour)
+{
+    vec4 h = warpPlace(own.draw, at);
+    bool isShown = isBeforeEye(h);
+    if (isByDetail(own.draw)) isShown = isShown && isOfDetail(own.draw, chances, h.z);
+    vec3 seen = project(h);
+    int side = own.side;
+    float left = IS_SPLATS != 0u ? firstOfSplat(seen.x, own.radius) : firstOfFootprint(seen.x, side);
+    float top = IS_SPLATS != 0u ? firstOfSplat(seen.y, own.radius) : firstOfFootprint(seen.y, side);
+    // Compared as floats: far outside, the conversion to int is undefined.
+    isShown = isShown && left > -float(side) && left < float(constants.width) && top > -float(side) &&
+              top < float(constants.height);
+    if (!isShown) return;
+    ivec2 corner = ivec2(left, top);
+    if (IS_SPLATS != 0u) {
+        drawCircle(own, corner, seen, colour);
+        return;
+    }
+    uint64_t key = packUint2x32(packKey(seen.z, colour, own.levelAndClass));
+    if (side == 1)
+        put(own.eye, corner.y * constants.width + corner.x, key);
+    else
+        drawSquare(own, corner, key);
+}
+
+void main()
+{
+    PairDraw pair = pairs[constants.firstDraw + gl_WorkGroupID.x];
+    bool drawsLeft = pair.left != kNoDraw, drawsRight = pair.right != kNoDraw;
+    TileDraw left = leftDraws[drawsLeft ? pair.left : 0u], right = rightDraws[drawsRight ? pair.right : 0u];
+    TileDraw tile = left; // what both have in common
+    if (!drawsLeft) tile = right;
+    bool isLeftByDetail = drawsLeft && isByDetail(left), isRightByDetail = drawsRight && isByDetail(right);
+    EyeDraw toLeft = eyeDrawOf(kLeft, left), toRight = eyeDrawOf(kRight, right);
+    for (uint i = gl_LocalInvocationID.x; i < tile.span.z; i += gl_WorkGroupSize.x) {
+        uvec2 vertex = texelFetch(vertices, int(tile.span.y + i)).xy;
+        vec3 at = placeInTile(tile, vertex.x), chances = vec3(0.0f);
+        if (isLeftByDetail || isRightByDetail) {
+            uvec2 place = columnAndRowOf(tile, vertex.x);
+            chances = chancesOf(tile, place.x, place.y);
+        }
+        if (drawsLeft) drawSample(toLeft, at, chances, vertex.y);
+        if (drawsRight) drawSample(toRight, at, chances, vertex.y);
+    }
+}
