@@ -32,7 +32,7 @@ namespace render {
 namespace {
 
 constexpr int kColumns = 1200, kRows = 500;
-constexpr int kPixelStep = 1511; ///< of a picture's pixels every so many is asked about
+constexpr int kPixelStep = 647; ///< of a picture's pixels every so many is asked about
 constexpr double kEyeDistanceMetres = 0.063;
 
 struct Place {

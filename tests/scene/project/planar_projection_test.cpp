@@ -22,23 +22,24 @@ constexpr double kDensity = 3;         ///< samples a degree
 constexpr double kSameSurface = 0.02;  ///< relative: what the build takes for one surface
 constexpr int kPixelsOfSample = 2 * 2; ///< of kCamera
 
-/// A scan of the room by the simulated scanner, its beam as wide as it is and swept as it is.
-struct RoomScan {
-    SyntheticScene room = makeRoom();
-    Pose worldFromScanner = scanPositions(room)[0];
+/// A scan of a place by the simulated scanner, its beam as wide as it is and swept as it is.
+struct ScanOf {
+    SyntheticScene place;
+    Pose worldFromScanner;
     Scan scan;
     ScanTraits traits;
 
-    RoomScan() {
+    ScanOf(SyntheticScene of, std::size_t tripod)
+        : place(std::move(of)), worldFromScanner(scanPositions(place)[tripod]) {
         ScannerOptions options;
         options.noiseMetres = 0.002;
         setDensity(options, kDensity);
-        const ScannedWorld world = worldOf(room, false);
+        const ScannedWorld world = worldOf(place, false);
         scan = readRawScan(simulateRawScan(world, worldFromScanner, options), options.constants).scan;
         traits = traitsOf(scan);
     }
-    static const RoomScan& it() {
-        static const RoomScan made;
+    static const ScanOf& room() {
+        static const ScanOf made(makeRoom(), 0);
         return made;
     }
 };
@@ -53,20 +54,19 @@ Pose lookingTo(double azimuth) {
 const Camera kCamera{400, 300, 2 * kDensity * 57.3, 2 * kDensity * 57.3, 200, 150};
 
 /// Whether any surface stands at the pixel's range within so many pixels about it.
-bool isTrue(const RoomScan& at, const Pose& scannerFromCamera, int x, int y, double disparity) {
+bool isTrue(const ScanOf& at, const Pose& scannerFromCamera, int x, int y, double disparity) {
     const Pose worldFromCamera = at.worldFromScanner * scannerFromCamera;
     for (int j = -4; j <= 4; ++j)
         for (int i = -4; i <= 4; ++i) {
             const glm::dvec3 ray = rayThrough(kCamera, x + 0.5 + 0.75 * i, y + 0.5 + 0.75 * j);
-            const auto hit = at.room.tracer().cast(worldFromCamera.translation, worldFromCamera.rotation * ray);
+            const auto hit = at.place.tracer().cast(worldFromCamera.translation, worldFromCamera.rotation * ray);
             if (hit && std::abs(hit->t * disparity - 1) < kSameSurface) return true;
         }
     return false;
 }
 
 /// The largest piece of neighbouring pixels that no surface is near to, in samples of the scan, over the whole horizon.
-double largestFloating(const PlanarOptions& options) {
-    const RoomScan& at = RoomScan::it();
+double largestFloating(const ScanOf& at, const PlanarOptions& options) {
     int largest = 0;
     for (const double azimuth : {0.0, 2.1, 4.2}) {
         const Pose scannerFromCamera = lookingTo(azimuth);
@@ -98,15 +98,22 @@ double largestFloating(const PlanarOptions& options) {
 }
 
 TEST(PlanarProjection, NoFalseSurfaceOfMoreThanThreeSamplesFloatsAtSilhouettes) {
-    EXPECT_LE(largestFloating({}), 3);
+    EXPECT_LE(largestFloating(ScanOf::room(), {}), 3);
     // The same without clusters: the mean of all that touch a pixel.
     PlanarOptions blurred;
     blurred.sameSurface = 1e6;
-    EXPECT_GT(largestFloating(blurred), 30) << "the test must see what it looks for";
+    EXPECT_GT(largestFloating(ScanOf::room(), blurred), 30) << "the test must see what it looks for";
+}
+
+// Where leaves and rails are thinner than the scan's spacing there are samples that only other scans could tell from
+// something small (room 5.5 samples, corner 5): more than is wanted, and bounded here.
+TEST(PlanarProjection, AmongLeavesAndRailsNoneOfMoreThanSixFloats) {
+    EXPECT_LE(largestFloating(ScanOf(makeRoom(), 2), {}), 6);
+    EXPECT_LE(largestFloating(ScanOf(makeStreetCorner(), 0), {}), 6);
 }
 
 TEST(PlanarProjection, MostOfThePictureHasRangeAndLiesOnTheSurface) {
-    const RoomScan& at = RoomScan::it();
+    const ScanOf& at = ScanOf::room();
     const Pose scannerFromCamera = lookingTo(2.1);
     DepthImage image = projectToCamera(at.scan, at.traits, inverse(scannerFromCamera), kCamera);
     fillDropouts(image);
@@ -116,7 +123,7 @@ TEST(PlanarProjection, MostOfThePictureHasRangeAndLiesOnTheSurface) {
     for (int y = 0; y < kCamera.height; ++y)
         for (int x = 0; x < kCamera.width; ++x) {
             const glm::dvec3 ray = rayThrough(kCamera, x + 0.5, y + 0.5);
-            const auto hit = at.room.tracer().cast(worldFromCamera.translation, worldFromCamera.rotation * ray);
+            const auto hit = at.place.tracer().cast(worldFromCamera.translation, worldFromCamera.rotation * ray);
             if (!hit) continue;
             ++there;
             if (isSurface(image.flags(x, y))) errors.push_back(std::abs(hit->t - 1 / double{image.disparity(x, y)}));
@@ -128,7 +135,7 @@ TEST(PlanarProjection, MostOfThePictureHasRangeAndLiesOnTheSurface) {
 }
 
 TEST(PlanarProjection, IsTheSameOnAnyNumberOfThreads) {
-    const RoomScan& at = RoomScan::it();
+    const ScanOf& at = ScanOf::room();
     const DepthImage many = projectToCamera(at.scan, at.traits, inverse(lookingTo(1)), kCamera);
     const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
     const DepthImage single = projectToCamera(at.scan, at.traits, inverse(lookingTo(1)), kCamera);
@@ -138,7 +145,7 @@ TEST(PlanarProjection, IsTheSameOnAnyNumberOfThreads) {
 }
 
 TEST(PlanarProjection, NoiseIsFoundInTheScanItself) {
-    const double found = rangeNoiseOf(RoomScan::it().scan);
+    const double found = rangeNoiseOf(ScanOf::room().scan);
     EXPECT_GT(found, 0.001);
     EXPECT_LT(found, 0.004);
     EXPECT_EQ(rangeNoiseOf(Scan{}), 0);
