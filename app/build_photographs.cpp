@@ -166,6 +166,20 @@ std::string sentenceOn(const json& photo) {
            "); --register given takes it as the file has it.";
 }
 
+void tell(scene::Capture& capture, const std::string& sentence) {
+    std::fprintf(stderr, "note: %s\n", sentence.c_str());
+    capture.remarks.push_back(sentence);
+}
+
+/// With a lens that nobody knows nothing lies on anything.
+bool mayLackLens(const scene::Capture& capture, const json& report) {
+    const auto unsure =
+        std::count_if(report.begin(), report.end(), [](const json& photo) { return !photo.at("sure").get<bool>(); });
+    return 2 * unsure > std::ssize(report) &&
+           std::all_of(capture.scanPhotos.begin(), capture.scanPhotos.end(),
+                       [](const scene::ScanPhoto& photo) { return photo.distortion == scene::Distortion{}; });
+}
+
 } // namespace
 
 PhotographStage layPhotographs(scene::Capture& capture, const BuildOptions& options, StageStore& store) {
@@ -190,16 +204,17 @@ PhotographStage layPhotographs(scene::Capture& capture, const BuildOptions& opti
         for (const json& photo : readJson(folder / "photographs.json")) {
             stage.report.push_back(photo);
             const std::string sentence = sentenceOn(photo);
-            if (!sentence.empty()) {
-                std::fprintf(stderr, "note: %s\n", sentence.c_str());
-                capture.remarks.push_back(sentence);
-            }
+            if (!sentence.empty()) tell(capture, sentence);
             if (!photo.at("used").get<bool>()) continue;
             const std::filesystem::path file = folder / (photo.at("name").get<std::string>() + ".tiff");
             const scene::DepthImage header = scene::readDepthTiffHeader(file);
             of.images.push_back({header.name, header.camera, header.worldFromCamera, file, {}});
         }
     }
+    if (mayLackLens(capture, stage.report))
+        tell(capture,
+             "How most photographs are turned could not be found. E57 cannot say how a lens distorts: if theirs "
+             "does, --camera FILE says it ('revisit calibrate camera' finds it from pictures of a board).");
     return stage;
 }
 

@@ -78,6 +78,7 @@ TEST_F(Photographs, AreLaidOnTheirScanAndColourIt) {
         EXPECT_THAT(built.output, Not(HasSubstr("'" + photograph.at("name").get<std::string>() + "'")));
     }
     EXPECT_GE(sure, 3);
+    EXPECT_THAT(built.output, Not(HasSubstr("how a lens distorts")));
     EXPECT_GE(scene.at("images").size(), 6u + 6) << "photographs and the faces of the cube";
     // They saw the band about the horizon, half of this face; the scan itself has no colours.
     const scene::DepthImage face = scene::readDepthTiff(path("room.revisit") + "/images/scan1-front.tiff");
@@ -94,6 +95,12 @@ TEST_F(Photographs, AreLaidOnTheirScanAndColourIt) {
     const Outcome again = build("room.revisit", {"--camera", path("capture/camera.json"), "--no-cull"});
     ASSERT_EQ(again.status, 0) << again.output;
     EXPECT_THAT(again.output, Not(HasSubstr("photographs  6/6")));
+}
+
+TEST_F(Photographs, WithALensThatNobodyKnowsAreNotBelievedAndThatIsSaid) {
+    const Outcome built = build("lens.revisit", {});
+    ASSERT_EQ(built.status, 0) << built.output;
+    EXPECT_THAT(built.output, HasSubstr("E57 cannot say how a lens distorts"));
 }
 
 TEST_F(Photographs, OfAnotherSizeOrNoneAtAllRefuseACameraFile) {
