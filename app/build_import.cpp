@@ -68,14 +68,12 @@ void writeFaces(const scene::ScanSource& source, const ScanPhotographs& photogra
     const scene::Scan scan = readScan(source);
     scene::CubeFaces faces = scene::projectToCubeFaces(scan, options);
     if (!scan.hasColour && !photographs.images.empty()) {
-        std::vector<SampleColours> colours(faces.faces.begin(), faces.faces.end());
-        for (const scene::StoredImage& photograph : photographs.images) {
-            const scene::DepthImage picture = scene::readDepthTiff(photograph.file);
-            for (SampleColours& face : colours)
-                face.take(picture);
+        for (scene::DepthImage& face : faces.faces) {
+            SampleColours colours(face);
+            for (const scene::StoredImage& photograph : photographs.images)
+                if (colours.mayTake(photograph)) colours.take(scene::readDepthTiff(photograph.file));
+            colours.give();
         }
-        for (SampleColours& face : colours)
-            face.give();
     }
     json names = json::array();
     for (const scene::DepthImage& face : faces.faces) {

@@ -14,6 +14,7 @@
 #include <cmath>
 #include <cstdio>
 #include <numbers>
+#include <optional>
 
 #include <glm/geometric.hpp>
 #include <tbb/parallel_for.h>
@@ -29,6 +30,8 @@ constexpr int kPhotographsVersion = 4;
 constexpr double kDegrees = 180 / std::numbers::pi;
 /// A turn within so many deviations is none: poses that are right stay what they are.
 constexpr double kSameDeviations = 2;
+constexpr double kSamePlace = 0.005;  ///< metres: from here a photograph sees all that an image sees
+constexpr double kSameSurface = 0.03; ///< relative difference of disparity
 
 const char* const kUnread = "cannot be read";
 
@@ -122,8 +125,16 @@ json layOnTheirScan(const scene::ScanSource& source, std::span<const scene::Scan
         progress.advance();
     }
     const std::vector<scene::ColourFit> fits = onScan.fits();
-    for (std::size_t i = 0; i < taken.size(); ++i)
-        report.push_back(write(laidOut(*taken[i]), fits[i], taken[i]->name, scan, options, folder));
+    for (std::size_t i = 0; i < taken.size(); ++i) {
+        std::optional<scene::PhotographForScan> photograph;
+        try {
+            photograph = laidOut(*taken[i]);
+        } catch (const scene::Failure& failure) { // it could be read before
+            report.push_back(describeUnread(*taken[i], scan.scan.name, failure.what()));
+            continue;
+        }
+        report.push_back(write(*photograph, fits[i], taken[i]->name, scan, options, folder));
+    }
     return report;
 }
 
@@ -218,9 +229,17 @@ PhotographStage layPhotographs(scene::Capture& capture, const BuildOptions& opti
     return stage;
 }
 
+bool SampleColours::mayTake(const scene::StoredImage& photo) const {
+    if (glm::distance(photo.worldFromCamera.translation, image_.worldFromCamera.translation) >= kSamePlace) return true;
+    const auto halfDiagonal = [](const scene::Camera& c) {
+        return std::atan(std::hypot(std::max(c.cx, c.width - c.cx) / c.fx, std::max(c.cy, c.height - c.cy) / c.fy));
+    };
+    const double apart = std::acos(
+        std::clamp(glm::dot(photo.worldFromCamera.rotation[2], image_.worldFromCamera.rotation[2]), -1.0, 1.0));
+    return apart < halfDiagonal(photo.camera) + halfDiagonal(image_.camera) + 0.01;
+}
+
 void SampleColours::take(const scene::DepthImage& photo) {
-    constexpr double kSamePlace = 0.005;  ///< metres: from here all is seen that the image sees
-    constexpr double kSameSurface = 0.03; ///< relative difference of disparity
     const bool isSamePlace =
         glm::distance(photo.worldFromCamera.translation, image_.worldFromCamera.translation) < kSamePlace;
     const scene::Pose photoFromWorld = inverse(photo.worldFromCamera);

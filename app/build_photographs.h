@@ -33,13 +33,15 @@ PhotographStage layPhotographs(scene::Capture& capture, const BuildOptions& opti
 
 /// Gives samples without colour that of the photographs which see them: the mean of all, each counting by how far
 /// inside its picture the sample is seen. Photographs from beside the image's place must see the sample's surface. One
-/// after another, so that only one need be in memory.
+/// after another, so that only one of them need be in memory.
 class SampleColours {
   public:
     /// Lends the image.
     explicit SampleColours(scene::DepthImage& image)
         : image_(image), sums_(image.camera.width, image.camera.height, glm::vec4(0)) {}
 
+    /// Whether it can see anything that the image sees.
+    bool mayTake(const scene::StoredImage& photograph) const;
     void take(const scene::DepthImage& photograph);
     void give();
 

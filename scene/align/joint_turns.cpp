@@ -7,11 +7,13 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <utility>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 #include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 
 namespace scene {
 
@@ -24,8 +26,7 @@ constexpr int kLeastRays = 150;            ///< that two photographs must share 
 constexpr std::size_t kMostTops = 4;       ///< of that search, which are looked at closely
 /// What deviations never fall below: lenses that are not quite known, and edges that light draws.
 constexpr double kLeastOwn = 0.004 * kDegree, kLeastPair = 0.002 * kDegree;
-constexpr int kLeastNeighbours = 2; ///< that must agree on where one stands that its scan could not place
-constexpr int kMostRays = 3000;
+constexpr int kEdgeColumns = 16, kEdgeRows = 12, kMostEdgesInPart = 30; ///< that are searched for in another
 /// Of greys: of a pair that is believed, of its parts; that a second top may have of the first one's.
 constexpr double kLeastCorrelation = 0.5, kLeastAgreeing = 0.7, kMostRivalShare = 0.8;
 /// Of a pair that is believed alone.
@@ -91,12 +92,14 @@ PartRays raysInto(const std::vector<EdgePoint>& points, const Camera& cameraA, c
 /// Turns of which one may lay a on b, by their edges; wherever within reach.
 std::vector<Turn> searched(const SmallPhotograph& a, const SmallPhotograph& b, const glm::dmat3& bFromA,
                            double reachRadians) {
-    const PartRays rays =
-        raysInto(edgePoints(textureEdges(a.picture), 16, 12, kMostRays / 100), a.camera, b.camera, bFromA);
+    const PartRays rays = raysInto(edgePoints(textureEdges(a.picture), kEdgeColumns, kEdgeRows, kMostEdgesInPart),
+                                   a.camera, b.camera, bFromA);
     if (std::all_of(rays.begin(), rays.end(), [](const auto& part) { return part.empty(); })) return {};
     const EdgeImage edges = textureEdges(b.picture);
     const std::vector<EdgeLevel> levels = edgeLevels(edges, edges, 1 / b.camera.fx);
-    std::vector<Turn> tops = TurnSearch(levels, b.camera, rays).find(reachRadians).tops;
+    std::vector<Turn> tops;
+    // A thread that waits in there would begin another pair, and hold the pictures of both.
+    tbb::this_task_arena::isolate([&] { tops = TurnSearch(levels, b.camera, rays).find(reachRadians).tops; });
     tops.resize(std::min(tops.size(), kMostTops));
     return tops;
 }
@@ -258,14 +261,14 @@ class Neighbours {
     std::vector<Pair> pairs_;
 };
 
-/// What the network says of a photograph that stands as rotation has it.
+/// What the network says of a photograph. givenFromPlaced: as it was placed, before the network's turn.
 void settle(ColourFit& fit, const TurnNetwork& network, std::size_t i, const glm::dmat3& givenFromPlaced,
             const ColourToRangeOptions& options) {
     const bool isContradicted =
         std::find(network.contradicted.begin(), network.contradicted.end(), i) != network.contradicted.end();
-    if (!network.isAnchored[i] || (network.neighboursOf(i) == 0 && !isContradicted)) return;
+    if (!isContradicted && (!network.isAnchored[i] || network.neighboursOf(i) == 0)) return;
     const bool isItsOwn = fit.isFound && !isContradicted;
-    if (!isItsOwn && network.neighboursOf(i) < kLeastNeighbours && !network.hasPlainNeighbour(i)) {
+    if (!isItsOwn && !network.isBelieved[i]) {
         if (isContradicted) fit.isSure = false, fit.why = "it contradicts its neighbours";
         return;
     }
@@ -305,8 +308,7 @@ void joinTurns(std::span<const PhotographOnScan> photographs, std::vector<Colour
             if (fits[i].isFound && std::find(contradicted.begin(), contradicted.end(), i) == contradicted.end())
                 own.push_back({i, eigenOf(fits[i].covariance) + kLeastOwn * kLeastOwn * Eigen::Matrix3d::Identity(),
                                fits[i].isSure});
-        TurnNetwork network(photographs.size(), std::move(own), neighbours.turns());
-        network.contradicted = contradicted;
+        TurnNetwork network(photographs.size(), std::move(own), neighbours.turns(), contradicted);
         network.solve();
         return network;
     };

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <span>
+#include <utility>
 
 #include <Eigen/Dense>
 #include <opencv2/imgproc.hpp>
@@ -137,7 +138,7 @@ class Descent {
         : a_(a), b_(b), bFromA_(bFromA), start_(start), scales_(kSigmas.size(), 1), usual_(kSigmas.size(), 0),
           turn(start) {}
 
-    bool findShared() {
+    bool sharesEnough() {
         int count = 0;
         forShared(a_, b_, 1, matrixOf(turn) * bFromA_, [&](int, int, const glm::dvec3&, const glm::dvec2& at) {
             box_.hold(at);
@@ -227,7 +228,7 @@ GreyLevels greyLevels(const SmallPhotograph& photograph) {
 std::optional<NeighbourTurn> layOnNeighbour(const GreyLevels& a, const GreyLevels& b, const glm::dmat3& bFromA,
                                             const Turn& start) {
     Descent descent(a, b, bFromA, start);
-    if (!descent.findShared()) return std::nullopt;
+    if (!descent.sharesEnough()) return std::nullopt;
     using Descended = Descent::Descended;
     for (std::size_t end = 1; end <= kSigmas.size(); ++end) // coarse levels alone need not hold it
         if (descent.descend(0, end) == Descended::astray) return std::nullopt;
@@ -251,7 +252,6 @@ std::optional<NeighbourTurn> layOnNeighbour(const GreyLevels& a, const GreyLevel
     std::vector<Turn> without;
     double shown = 0, agreed = 0;
     for (std::size_t part = 0; part < equations.size(); ++part) {
-        if (!(equations[part].normal.trace() > 0)) continue;
         double best = 0, deviation = 0;
         for (const LevelSums& level : fine) {
             const Sums& sums = level[part];
@@ -260,18 +260,19 @@ std::optional<NeighbourTurn> layOnNeighbour(const GreyLevels& a, const GreyLevel
             deviation = std::max(deviation, std::sqrt(sums.bb / sums.count));
         }
         shown += deviation, agreed += best >= kMuch ? deviation : 0, found.parts += best >= kMuch;
+        if (!(equations[part].normal.trace() > 0)) continue; // it has no say
         const Equation rest{all.normal - equations[part].normal, all.slope - equations[part].slope};
         const auto step = rest.step();
         if (!step) return std::nullopt;
         without.push_back(*step);
     }
-    if (without.size() < 2) return std::nullopt;
+    if (without.size() < 2 || !(shown > 0)) return std::nullopt;
     found.agreeing = agreed / shown;
     const auto count = static_cast<double>(without.size());
     Turn mean = Turn::Zero();
     for (const Turn& turn : without)
         mean += turn / count;
-    found.covariance = Eigen::Matrix3d::Zero();
+    found.covariance = mean * mean.transpose(); // what is left to go, if anything
     for (const Turn& turn : without)
         found.covariance += (turn - mean) * (turn - mean).transpose() * ((count - 1) / count);
     return found;

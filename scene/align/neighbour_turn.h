@@ -15,7 +15,7 @@
 
 namespace scene {
 
-/// The grey of one size: blurred by a Gaussian less what a four times broader one leaves; one pixel for so many.
+/// The grey of one size: blurred by a Gaussian less what one twice as broad leaves; one pixel for so many.
 struct GreyLevel {
     Image<float> grey;
     int pixelsPerPixel = 1;

@@ -93,8 +93,7 @@ class Joining {
     }
 
   private:
-    /// Every pair between the groups that knows one pose, or several, has a say: an ambiguous one denies what is none
-    /// of its poses.
+    /// Every pair between the groups that is sure has a say, and an ambiguous one denies what is none of its poses.
     bool isBelieved(std::size_t into, std::size_t from, const Pose& intoFromOther) const {
         int agreeing = 0, denying = 0;
         for (const PairOutcome& pair : registration_.pairs) {
@@ -109,7 +108,8 @@ class Joining {
             const std::vector<Pose>& known = pair.result.plausible;
             const bool agrees =
                 std::any_of(known.begin(), known.end(), [&](const Pose& pose) { return !areElsewhere(pose, aFromB); });
-            ++(agrees ? agreeing : denying);
+            denying += !agrees;
+            agreeing += agrees && verdict == PairVerdict::registered; // one that fits at several places speaks for none
         }
         return agreeing > denying;
     }

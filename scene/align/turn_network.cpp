@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <utility>
 
 #include <Eigen/Dense>
 
@@ -11,8 +12,9 @@ namespace {
 
 constexpr double kContradicts = 25; ///< squared deviations, of three axes together
 constexpr double kAboutAsBad = 0.9;
+constexpr int kLeastNeighbours = 2; ///< that must say where one stands that its scan could not place
 /// What nothing checks has no residual and no deviation of it; this share of its own keeps one from dividing by it.
-constexpr double kUnchecked = 1e-4;
+constexpr double kUnchecked = 1e-7;
 
 Eigen::Index at(std::size_t photograph) {
     return static_cast<Eigen::Index>(3 * photograph);
@@ -29,8 +31,9 @@ void eraseAt(std::vector<T>& list, std::size_t i) {
 
 } // namespace
 
-TurnNetwork::TurnNetwork(std::size_t count, std::vector<OwnTurn> own, std::vector<PairTurn> pairs)
-    : count_(count), own_(std::move(own)), pairs_(std::move(pairs)) {}
+TurnNetwork::TurnNetwork(std::size_t count, std::vector<OwnTurn> own, std::vector<PairTurn> pairs,
+                         std::vector<std::size_t> known)
+    : contradicted(std::move(known)), count_(count), own_(std::move(own)), pairs_(std::move(pairs)) {}
 
 void TurnNetwork::solve() {
     for (;;) {
@@ -46,7 +49,7 @@ void TurnNetwork::solve() {
             worst = std::max(worst, found);
         for (const double found : pairs)
             worst = std::max(worst, found);
-        if (worst <= kContradicts) return;
+        if (worst <= kContradicts) return findBelieved();
         // Those that are about as bad cannot be told apart: nobody knows which of them is wrong. But what a scan says
         // unsurely is it before what it says surely, or two photographs of each other.
         const double bad = kAboutAsBad * worst;
@@ -67,12 +70,6 @@ int TurnNetwork::neighboursOf(std::size_t photograph) const {
     return static_cast<int>(std::count_if(pairs_.begin(), pairs_.end(), [&](const PairTurn& pair) {
         return pair.a == photograph || pair.b == photograph;
     }));
-}
-
-bool TurnNetwork::hasPlainNeighbour(std::size_t photograph) const {
-    return std::any_of(pairs_.begin(), pairs_.end(), [&](const PairTurn& pair) {
-        return pair.isPlain && (pair.a == photograph || pair.b == photograph);
-    });
 }
 
 int TurnNetwork::joinedTo(std::size_t photograph) const {
@@ -106,6 +103,25 @@ void TurnNetwork::findAnchored() {
     for (const OwnTurn& own : own_)
         for (std::size_t i = 0; i < count_; ++i)
             if (group_[i] == group_[own.photograph]) isAnchored[i] = true;
+}
+
+void TurnNetwork::findBelieved() {
+    isBelieved.assign(count_, false);
+    for (const OwnTurn& own : own_)
+        isBelieved[own.photograph] = true;
+    for (bool isChanged = true; isChanged;) {
+        isChanged = false;
+        for (std::size_t i = 0; i < count_; ++i) {
+            if (isBelieved[i]) continue;
+            int votes = 0;
+            for (const PairTurn& pair : pairs_) {
+                if (pair.a != i && pair.b != i) continue;
+                if (isBelieved[pair.a == i ? pair.b : pair.a]) votes += pair.isPlain ? kLeastNeighbours : 1;
+            }
+            isBelieved[i] = votes >= kLeastNeighbours;
+            isChanged |= isBelieved[i];
+        }
+    }
 }
 
 /// A further turn r of camera i: found * r. To first order a pair says that its turn is bFromA r_a - r_b.

@@ -28,7 +28,9 @@ struct PairTurn {
 
 class TurnNetwork {
   public:
-    TurnNetwork(std::size_t count, std::vector<OwnTurn> own, std::vector<PairTurn> pairs);
+    /// contradicted: photographs whose own turn is known to be wrong, and not among those given.
+    TurnNetwork(std::size_t count, std::vector<OwnTurn> own, std::vector<PairTurn> pairs,
+                std::vector<std::size_t> contradicted = {});
 
     /// Takes away what contradicts the rest most, until nothing does; then holds the turns of all that are joined to an
     /// own one. Baarda, "A testing procedure for use in geodetic networks", 1968: a residual counts by what it would be
@@ -37,7 +39,6 @@ class TurnNetwork {
 
     const std::vector<PairTurn>& pairs() const { return pairs_; } ///< that are left
     int neighboursOf(std::size_t photograph) const;
-    bool hasPlainNeighbour(std::size_t photograph) const;
     int joinedTo(std::size_t photograph) const;  ///< by pairs, one after another; itself, too
     int anchorsOf(std::size_t photograph) const; ///< of these, that have an own turn
     /// Of two that contradict each other nobody knows which is wrong.
@@ -45,11 +46,14 @@ class TurnNetwork {
 
     std::vector<Turn> turns; ///< further turns, about each camera's axes
     std::vector<Eigen::Matrix3d> covariances;
-    std::vector<bool> isAnchored;
+    std::vector<bool> isAnchored; ///< joined to an own turn
+    /// Those with an own turn, those with a plain pair to one that is believed, and those with two pairs to such.
+    std::vector<bool> isBelieved;
     std::vector<std::size_t> contradicted; ///< photographs whose own turn was taken away
 
   private:
     void findAnchored();
+    void findBelieved();
     void adjust();
     double squaresOf(const OwnTurn& own) const;
     double squaresOf(const PairTurn& pair) const;

@@ -17,6 +17,19 @@ constexpr int kMostPixelsAcross = 4096;
 constexpr double kMostDeviationSpacings = 0.4;
 constexpr double kLeastDeviationRadians = 7e-4; ///< 0.04 degrees: what is asked of the densest scans
 
+/// The scan has its reflectance for colours while this lives.
+class InReflectance {
+  public:
+    explicit InReflectance(ScanForPhotographs& scan) : scan_(scan) { swap(); }
+    ~InReflectance() { swap(); }
+    InReflectance(const InReflectance&) = delete;
+    InReflectance& operator=(const InReflectance&) = delete;
+
+  private:
+    void swap() { std::swap(scan_.scan.colours, scan_.reflectance); }
+    ScanForPhotographs& scan_;
+};
+
 } // namespace
 
 ScanForPhotographs forPhotographs(ScanWithIntensity from) {
@@ -47,13 +60,15 @@ PhotographsOnScan::PhotographsOnScan(ScanForPhotographs& scan) : scan_(scan) {
 
 void PhotographsOnScan::add(const PhotographForScan& photograph) {
     const Camera wide = widened(photograph.camera, options_.reachRadians, 1 / photograph.camera.fx);
-    std::swap(scan_.scan.colours, scan_.reflectance);
-    DepthImage seen =
-        projectToCamera(scan_.scan, scan_.traits, inverse(photograph.scannerFromGiven), wide, scan_.planar);
-    std::swap(scan_.scan.colours, scan_.reflectance);
+    DepthImage seen;
+    {
+        const InReflectance grey(scan_);
+        seen = projectToCamera(scan_.scan, scan_.traits, inverse(photograph.scannerFromGiven), wide, scan_.planar);
+    }
     fillDropouts(seen);
-    alone_.push_back(findTurn(seen, photograph.straight.colour, photograph.camera, options_));
+    const ColourFit fit = findTurn(seen, photograph.straight.colour, photograph.camera, options_);
     small_.push_back({smallPhotograph(photograph.straight.colour, photograph.camera), photograph.scannerFromGiven});
+    alone_.push_back(fit);
 }
 
 std::vector<ColourFit> PhotographsOnScan::fits() const {

@@ -1,6 +1,7 @@
 // Two photographs from one place: how one is turned against the other is found to a small part of a pixel, whatever
 // their exposures, and nothing is found where they show nothing in common.
 
+#include "scene/align/joint_turns.h"
 #include "scene/align/neighbour_turn.h"
 #include "scene/srgb.h"
 #include "scene/synthetic_random.h"
@@ -82,6 +83,34 @@ TEST(NeighbourTurn, WhatHasNothingInCommonDoesNotLieOnEachOther) {
     }
     // Back to back.
     EXPECT_FALSE(layOnNeighbour(b, b, matrixOf(Turn(0, std::numbers::pi, 0)), Turn::Zero()));
+}
+
+TEST(JoinTurns, OfTwoThatContradictEachOtherNeitherIsBelieved) {
+    const glm::dmat3 scannerFromB = matrixOf(Turn(0.3, -0.2, 0.5));
+    const auto joined = [&](double offRadians) {
+        std::vector<PhotographOnScan> photographs;
+        for (const glm::dmat3& rotation : {scannerFromB * kBFromA, scannerFromB}) {
+            Pose pose;
+            pose.rotation = rotation;
+            photographs.push_back({photograph(rotation, 0, 1 + photographs.size()), pose});
+        }
+        photographs[1].scannerFromGiven.rotation = scannerFromB * matrixOf(Turn(0, offRadians, 0));
+        ColourFit fit;
+        fit.isFound = fit.isSure = true;
+        fit.parts = kParts, fit.agreeing = 1, fit.score = 5, fit.rivalShare = 0.2, fit.deviationRadians = 3e-4;
+        fit.covariance = glm::dmat3(3e-8);
+        std::vector<ColourFit> fits{fit, fit};
+        joinTurns(photographs, fits);
+        return fits;
+    };
+    for (const ColourFit& fit : joined(0)) {
+        EXPECT_TRUE(fit.isSure) << fit.why;
+        EXPECT_EQ(fit.neighbours, 1);
+    }
+    for (const ColourFit& fit : joined(0.012)) {
+        EXPECT_FALSE(fit.isSure);
+        EXPECT_FALSE(fit.why.empty());
+    }
 }
 
 TEST(SmallPhotograph, KeepsItsFieldOfView) {

@@ -2,6 +2,7 @@
 
 #include "scene/align/turn_network.h"
 
+#include <cmath>
 #include <numbers>
 
 #include <gmock/gmock.h>
@@ -21,8 +22,8 @@ OwnTurn own(std::size_t photograph, double deviationDegrees, bool isSure = true)
 }
 
 /// Photographs that look the same way; b is where a is, but for a turn.
-PairTurn pair(std::size_t a, std::size_t b, const Turn& turn, double deviationDegrees = 0.01) {
-    return {a, b, Eigen::Matrix3d::Identity(), turn, kSquare * (deviationDegrees * deviationDegrees), true};
+PairTurn pair(std::size_t a, std::size_t b, const Turn& turn, double deviationDegrees = 0.01, bool isPlain = true) {
+    return {a, b, Eigen::Matrix3d::Identity(), turn, kSquare * (deviationDegrees * deviationDegrees), isPlain};
 }
 
 TEST(TurnNetwork, WhatAgreesIsKnownBetterTogether) {
@@ -71,6 +72,29 @@ TEST(TurnNetwork, WhereNothingTellsWhichIsWrongNoneIsBelieved) {
     EXPECT_EQ(network.pairs().size(), 1u);
     EXPECT_TRUE(network.isAnchored[0] && network.isAnchored[1]);
     EXPECT_FALSE(network.isAnchored[2] || network.isAnchored[3]);
+    EXPECT_THAT(network.isBelieved, ElementsAre(true, true, false, false));
+}
+
+TEST(TurnNetwork, AnExactPairIsNoSurerThanTheOwnTurnsThatItContradicts) {
+    TurnNetwork network(2, {own(0, 0.1), own(1, 0.1)}, {pair(0, 1, Turn(0, 2 * kDegree, 0), 0.002)});
+    network.solve();
+    EXPECT_THAT(network.contradicted, testing::UnorderedElementsAre(0u, 1u));
+    EXPECT_THAT(network.pairs(), IsEmpty());
+}
+
+TEST(TurnNetwork, OneThatIsPlacedNeedsAPlainNeighbourOrTwoThatAreBelieved) {
+    const auto believed = [](bool isPlain, bool hasThird) {
+        // 1 stands by 0, whom the scan placed, and 2 by 1 alone: that one says nothing of 1.
+        std::vector<PairTurn> pairs{pair(0, 1, Turn::Zero(), 0.01, isPlain), pair(1, 2, Turn::Zero(), 0.01, true)};
+        std::vector<OwnTurn> owns{own(0, 0.02)};
+        if (hasThird) owns.push_back(own(3, 0.02)), pairs.push_back(pair(1, 3, Turn::Zero(), 0.01, false));
+        TurnNetwork network(4, owns, pairs);
+        network.solve();
+        return network.isBelieved;
+    };
+    EXPECT_THAT(believed(true, false), ElementsAre(true, true, true, false));
+    EXPECT_THAT(believed(false, false), ElementsAre(true, false, false, false));
+    EXPECT_THAT(believed(false, true), ElementsAre(true, true, true, true));
 }
 
 TEST(TurnNetwork, WhatTheScanSaysUnsurelyGivesWay) {
