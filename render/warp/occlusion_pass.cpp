@@ -56,24 +56,32 @@ void recordPassing(VkCommandBuffer commands, const OcclusionPass& pass, std::spa
     record(commands, kAfterCull);
 }
 
+std::span<const DrawRun> takeBatch(std::span<const DrawRun>& runs) {
+    const auto end =
+        std::find_if(runs.begin(), runs.end(), [&](const DrawRun& run) { return run.batch != runs.front().batch; });
+    const std::span<const DrawRun> batch = runs.first(static_cast<std::size_t>(end - runs.begin()));
+    runs = runs.subspan(batch.size());
+    return batch;
+}
+
+std::vector<PassedRun> nonePassed(std::span<const DrawRun> batch) {
+    std::vector<PassedRun> none;
+    for (const DrawRun& run : batch)
+        none.push_back({0, 1, 1, run.first | (run.warp == Warp::splats ? kSplatRun : 0)});
+    return none;
+}
+
 void recordWarpInBatches(VkCommandBuffer commands, const OcclusionPass& pass, const WarpPasses& warps,
                          const GpuScene& scene, VkDescriptorSet eyeSet, const EyeTarget& target,
                          std::span<const DrawRun> runs, int width, int height, bool closesGaps) {
     while (!runs.empty()) {
-        const std::uint32_t batch = runs.front().batch;
-        const auto end = std::find_if(runs.begin(), runs.end(), [&](const DrawRun& run) { return run.batch != batch; });
-        const std::span<const DrawRun> now = runs.first(static_cast<std::size_t>(end - runs.begin()));
-        runs = runs.subspan(now.size());
-        if (batch == 0 || now.size() > kMostTestedRuns) {
+        const std::span<const DrawRun> now = takeBatch(runs);
+        if (now.front().batch == 0 || now.size() > kMostTestedRuns) {
             recordWarp(commands, warps, scene, eyeSet, now, width, height);
             continue;
         }
-        std::vector<PassedRun> none;
-        std::uint32_t tiles = 0;
-        for (const DrawRun& run : now) {
-            none.push_back({0, 1, 1, run.first | (run.warp == Warp::splats ? kSplatRun : 0)});
-            tiles += run.count;
-        }
+        const std::vector<PassedRun> none = nonePassed(now);
+        const std::uint32_t tiles = now.back().first + now.back().count - now.front().first;
         const OccluderConstants occluders{width, height, closesGaps ? 1 : 0};
         recordPassing(commands, pass, std::span(&eyeSet, 1), occluders, target.passedRuns, none, [&] {
             const VkPipelineLayout layout = pass.cull.layout;

@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <functional>
 #include <span>
+#include <vector>
 
 namespace render {
 
@@ -24,6 +25,12 @@ OcclusionPass makeOcclusionPass(const Device& device, VkDescriptorSetLayout eyeL
 void recordPassing(VkCommandBuffer commands, const OcclusionPass& pass, std::span<const VkDescriptorSet> eyeSets,
                    const OccluderConstants& constants, const Buffer& passedRuns, std::span<const PassedRun> none,
                    const std::function<void()>& recordTest);
+
+/// The runs of the first batch, which are taken off the front.
+std::span<const DrawRun> takeBatch(std::span<const DrawRun>& runs);
+
+/// What recordPassing begins a batch with.
+std::vector<PassedRun> nonePassed(std::span<const DrawRun> batch);
 
 /// Draws the runs, batch after batch. The z-buffer must be clear, and is finished behind the caller's next barrier.
 /// closesGaps: what is behind gaps of one or two pixels is left out, too.

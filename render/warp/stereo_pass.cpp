@@ -91,11 +91,8 @@ void recordStereoWarp(VkCommandBuffer commands, const StereoPass& pass, const Oc
                       const StereoTarget& target, std::size_t slot, std::span<const DrawRun> runs, int width,
                       int height, bool closesGaps) {
     while (!runs.empty()) {
-        const std::uint32_t batch = runs.front().batch;
-        const auto end = std::find_if(runs.begin(), runs.end(), [&](const DrawRun& run) { return run.batch != batch; });
-        const std::span<const DrawRun> now = runs.first(static_cast<std::size_t>(end - runs.begin()));
-        runs = runs.subspan(now.size());
-        if (batch == 0) {
+        const std::span<const DrawRun> now = takeBatch(runs);
+        if (now.front().batch == 0) {
             for (const DrawRun& run : now) {
                 const ComputePipeline& pipeline = useForRun(commands, pass, scene, run, eyeSets, target.sets[slot]);
                 push(commands, pipeline, WarpConstants{run.first, width, height});
@@ -103,12 +100,8 @@ void recordStereoWarp(VkCommandBuffer commands, const StereoPass& pass, const Oc
             }
             continue;
         }
-        std::vector<PassedRun> none;
-        std::uint32_t pairs = 0;
-        for (const DrawRun& run : now) {
-            none.push_back({0, 1, 1, run.first | (run.warp == Warp::splats ? kSplatRun : 0)});
-            pairs += run.count;
-        }
+        const std::vector<PassedRun> none = nonePassed(now);
+        const std::uint32_t pairs = now.back().first + now.back().count - now.front().first;
         const OccluderConstants occluders{width, height, closesGaps ? 1 : 0};
         recordPassing(commands, occlusion, eyeSets, occluders, target.passedRuns, none, [&] {
             use(commands, pass.test, std::array{eyeSets[0], eyeSets[1], target.sets[slot]});

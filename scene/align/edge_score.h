@@ -4,6 +4,7 @@
 #include "scene/align/edge_pictures.h"
 #include "scene/camera.h"
 
+#include <algorithm>
 #include <array>
 #include <span>
 #include <vector>
@@ -14,6 +15,11 @@ namespace scene {
 
 inline constexpr int kPartColumns = 4, kPartRows = 3; ///< of the picture, that are asked by themselves
 inline constexpr int kParts = kPartColumns * kPartRows;
+
+/// Which of count equal pieces of [from, to] holds v, or is nearest to it.
+inline int pieceOf(double v, double from, double to, int count) {
+    return std::clamp(static_cast<int>((v - from) / std::max(to - from, 1.0) * count), 0, count - 1);
+}
 
 /// An edge of the photograph as a direction of its camera (z = 1).
 struct EdgeRay {

@@ -79,11 +79,8 @@ PartRays raysInto(const std::vector<EdgePoint>& points, const Camera& cameraA, c
     const bool isHigh = high.y - low.y >= high.x - low.x;
     const int columns = isHigh ? 3 : 4, rows = isHigh ? 4 : 3;
     for (const Shared& s : shared) {
-        const auto cell = [](double v, double from, double to, int count) {
-            return std::clamp(static_cast<int>((v - from) / std::max(to - from, 1.0) * count), 0, count - 1);
-        };
-        parts[static_cast<std::size_t>(cell(s.at.y, low.y, high.y, rows) * columns +
-                                       cell(s.at.x, low.x, high.x, columns))]
+        parts[static_cast<std::size_t>(pieceOf(s.at.y, low.y, high.y, rows) * columns +
+                                       pieceOf(s.at.x, low.x, high.x, columns))]
             .push_back(s.ray);
     }
     return parts;

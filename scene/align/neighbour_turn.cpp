@@ -54,10 +54,7 @@ struct Box {
         top = std::min(top, at.y), bottom = std::max(bottom, at.y);
     }
     int partOf(const glm::dvec2& at) const {
-        const auto cell = [](double v, double from, double to, int count) {
-            return std::clamp(static_cast<int>((v - from) / std::max(to - from, 1.0) * count), 0, count - 1);
-        };
-        return cell(at.y, top, bottom, kPartRows) * kPartColumns + cell(at.x, left, right, kPartColumns);
+        return pieceOf(at.y, top, bottom, kPartRows) * kPartColumns + pieceOf(at.x, left, right, kPartColumns);
     }
 };
 
@@ -135,8 +132,9 @@ struct Equation {
 class Descent {
   public:
     Descent(const GreyLevels& a, const GreyLevels& b, const glm::dmat3& bFromA, const Turn& start)
-        : a_(a), b_(b), bFromA_(bFromA), start_(start), scales_(kSigmas.size(), 1), usual_(kSigmas.size(), 0),
-          turn(start) {}
+        : turn(start), a_(a), b_(b), bFromA_(bFromA), start_(start) {
+        scales_.fill(1);
+    }
 
     bool sharesEnough() {
         int count = 0;
@@ -167,6 +165,7 @@ class Descent {
         return Descended::held;
     }
 
+    /// Asks the levels [first, end) anew, where it is.
     void look(std::size_t first, std::size_t end) {
         for (std::size_t level = first; level < end; ++level) {
             said[level] = sumsOf(a_, b_, level, matrixOf(turn) * bFromA_, box_, scales_[level], usual_[level]);
@@ -179,16 +178,15 @@ class Descent {
         }
     }
 
+    Turn turn;
+    std::array<LevelSums, kSigmas.size()> said; ///< when they were asked last
+
   private:
     const GreyLevels &a_, &b_;
     glm::dmat3 bFromA_;
     Turn start_;
     Box box_;
-    std::vector<double> scales_, usual_;
-
-  public:
-    Turn turn;
-    std::array<LevelSums, kSigmas.size()> said;
+    std::array<double, kSigmas.size()> scales_{}, usual_{};
 };
 
 } // namespace

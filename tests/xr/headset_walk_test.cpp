@@ -161,8 +161,7 @@ void expectWhatRenderDraws(const std::vector<Drawn>& pictures) {
         ASSERT_FALSE(picture.inHeadset.empty() || picture.byRender.empty()) << i;
         ASSERT_EQ(picture.inHeadset.size(), picture.byRender.size());
         EXPECT_GE(psnrOfWhole(picture.inHeadset, picture.byRender), 45) << "picture " << i;
-        // The head goes by the clock, so that how much of the little that was prepared is before it differs.
-        EXPECT_GT(cv::countNonZero(picture.depth), picture.depth.rows * picture.depth.cols / 8) << "picture " << i;
+        EXPECT_GT(cv::countNonZero(picture.depth), picture.depth.rows * picture.depth.cols / 4) << "picture " << i;
     }
 }
 
@@ -259,7 +258,8 @@ TEST_F(HeadsetWalk, TheLivingRoomIsDrawnForEachEyeWhileTheHeadMoves) {
     const std::filesystem::path capture = tests::dataFolder() / "rgbd_livingroom1_synth";
     if (!std::filesystem::exists(capture)) GTEST_SKIP() << "because there is no " << capture;
     const std::string room = (scratch_ / "room.revisit").string();
-    app::prepare(capture.string(), room, scratch_.path(), {"--hold-out", allButEvery(15, capture / "image").string()});
+    // So many that wherever the head is, which goes by the clock, enough of the room is before it.
+    app::prepare(capture.string(), room, scratch_.path(), {"--hold-out", allButEvery(10, capture / "image").string()});
     const auto pictures = walkAndDraw(room, {.hertz = 200, .width = 192, .height = 144, .validation = true});
     ASSERT_FALSE(HasFailure());
     expectWhatRenderDraws(pictures);
