@@ -19,7 +19,11 @@ constexpr double kNoiseWidths = 6;        ///< of noise, that two samples of one
 constexpr double kGridSameSurface = 0.02; ///< see gridOf
 constexpr int kSlitSamples = 10;
 constexpr double kSameInSlit = 0.01;
-constexpr double kLeastOff = 0.005, kOffDeviations = 3.5, kSteepest = 0.08; ///< of averaged samples; relative
+constexpr double kLeastOff = 0.005, kOffDeviations = 3.5; ///< of averaged samples; relative
+constexpr double kGentle = 0.015, kSteepest = 0.08;       ///< slopes from one sample to the next; relative
+constexpr double kSlopeGoesOn = 0.5;                      ///< by which a steep slope may change, of itself
+constexpr std::size_t kFewest = 3, kCrowd = 5;            ///< samples that make a surface where so many are about
+constexpr double kOnePlane = 0.005;                       ///< root mean square of what lies on one; relative
 constexpr int kMostSupport = 64; ///< pixels; a camera far finer than the scan is left with holes
 
 /// Samples that go on neither the surface before nor the one behind them in their row or column, but lie between the
@@ -32,10 +36,16 @@ std::vector<std::uint8_t> findAveraged(const Scan& scan, const ScanGrid& grid) {
         if (x < 0 || y < 0 || x >= width || y >= height || grid.pointOfCell(x, y) < 0) return 0.0;
         return 1.0 / glm::length(scan.pointsInScanner[static_cast<std::size_t>(grid.pointOfCell(x, y))]);
     };
-    // Where the surface at x, y would be one step farther on; beyond a silhouette there is no slope to be had.
+    // Where the surface at x, y would be one step farther on; beyond a silhouette there is no slope to be had, and two
+    // samples alone may stand on either side of one.
     const auto carriedOn = [&](int x, int y, int dx, int dy) {
-        const double here = disparityAt(x, y), before = disparityAt(x - dx, y - dy);
-        return before > 0 && std::abs(before - here) < kSteepest * here ? 2 * here - before : here;
+        const double here = disparityAt(x, y), before = disparityAt(x - dx, y - dy), slope = here - before;
+        if (!(before > 0) || std::abs(slope) >= kSteepest * here) return here;
+        if (std::abs(slope) > kGentle * here) {
+            const double earlier = before - disparityAt(x - 2 * dx, y - 2 * dy);
+            if (std::abs(earlier - slope) >= kSlopeGoesOn * std::abs(slope)) return here;
+        }
+        return here + slope;
     };
     const auto isBetween = [&](int x, int y, int dx, int dy) {
         const double here = disparityAt(x, y);
@@ -114,26 +124,49 @@ Buckets sortIntoPixels(const Scan& scan, const Pose& cameraFromScanner, const Ca
     return buckets;
 }
 
-/// Weighted sums for the plane d = a + b dx + c dy.
-float planeAtCentre(std::span<const Member> members) {
-    double w = 0, x = 0, y = 0, d = 0;
+/// The plane d = disparity + b (dx - x) + c (dy - y) through samples, by their weights.
+struct Plane {
+    double x = 0, y = 0, disparity = 0, b = 0, c = 0;
+    bool isSpanned = false; ///< samples in a line say nothing about the slope across it; b and c are then 0
+
+    double at(double dx, double dy) const { return disparity + b * (dx - x) + c * (dy - y); }
+};
+
+Plane planeThrough(std::span<const Member> members) {
+    Plane plane;
+    double w = 0;
     for (const Member& m : members) {
-        w += m.weight;
-        x += double{m.weight} * m.dx, y += double{m.weight} * m.dy, d += double{m.weight} * m.disparity;
+        w += m.weight, plane.disparity += double{m.weight} * m.disparity;
+        plane.x += double{m.weight} * m.dx, plane.y += double{m.weight} * m.dy;
     }
-    x /= w, y /= w, d /= w;
+    plane.x /= w, plane.y /= w, plane.disparity /= w;
     double xx = 0, xy = 0, yy = 0, xd = 0, yd = 0;
     for (const Member& m : members) {
-        const double dx = m.dx - x, dy = m.dy - y, dd = m.disparity - d;
+        const double dx = m.dx - plane.x, dy = m.dy - plane.y, dd = m.disparity - plane.disparity;
         xx += m.weight * dx * dx, xy += m.weight * dx * dy, yy += m.weight * dy * dy;
         xd += m.weight * dx * dd, yd += m.weight * dy * dd;
     }
     const double determinant = xx * yy - xy * xy;
-    // Samples in a line say nothing about the slope across it.
-    if (members.size() < 4 || determinant < 0.02 * (xx + yy) * (xx + yy)) return static_cast<float>(d);
-    const double b = (xd * yy - yd * xy) / determinant, c = (yd * xx - xd * xy) / determinant;
-    const double least = members.front().disparity, most = members.back().disparity;
-    return static_cast<float>(std::clamp(d - b * x - c * y, least, most));
+    plane.isSpanned = members.size() >= 4 && determinant >= 0.02 * (xx + yy) * (xx + yy);
+    if (plane.isSpanned) plane.b = (xd * yy - yd * xy) / determinant, plane.c = (yd * xx - xd * xy) / determinant;
+    return plane;
+}
+
+/// Sorted by disparity.
+float planeAtCentre(std::span<const Member> members) {
+    return static_cast<float>(std::clamp(planeThrough(members).at(0, 0), double{members.front().disparity},
+                                         double{members.back().disparity}));
+}
+
+/// Whether samples lie on one plane, however steeply it stands: neighbours on a far floor are clusters of their own.
+bool lieOnOnePlane(std::span<const Member> members) {
+    const Plane plane = planeThrough(members);
+    double w = 0, squares = 0;
+    for (const Member& m : members) {
+        const double off = m.disparity - plane.at(m.dx, m.dy);
+        w += m.weight, squares += m.weight * off * off;
+    }
+    return plane.isSpanned && squares <= w * std::pow(kOnePlane * plane.disparity, 2);
 }
 
 class Projection {
@@ -144,26 +177,34 @@ class Projection {
           step_(traits.spacingRadians()) {}
 
     void row(int y, DepthImage& image) const {
-        std::vector<Member> members;
+        std::vector<Member> members, averaged;
         for (int x = 0; x < camera_.width; ++x)
-            pixel(x, y, members, image);
+            pixel(x, y, members, averaged, image);
     }
 
   private:
-    void pixel(int x, int y, std::vector<Member>& members, DepthImage& image) const {
+    void pixel(int x, int y, std::vector<Member>& members, std::vector<Member>& averaged, DepthImage& image) const {
         const glm::dvec3 ray = rayThrough(camera_, x + 0.5, y + 0.5);
         const double away = glm::dot(ray, ray); // angles widen by this towards the rim
         const double spacingX = std::max(step_ * camera_.fx * away, 1.0),
                      spacingY = std::max(step_ * camera_.fy * away, 1.0);
         const double reachX = options_.support * spacingX, reachY = options_.support * spacingY;
-        // An averaged sample says that there is surface, if not where.
-        bool isNear = gather(x, y, reachX, reachY, spacingX, spacingY, members);
+        gather(x, y, reachX, reachY, members, averaged);
         if (members.empty()) return;
         const std::span<const Member> cluster = heaviest(members, std::sqrt(away));
-        if (cluster.size() == 1 && members.size() > 2) return; // between surfaces, or by itself
-        isNear |= std::any_of(cluster.begin(), cluster.end(),
-                              [&](const Member& m) { return isOwn(m.dx, m.dy, spacingX, spacingY); });
-        if (!isNear) return;
+        const std::size_t all = members.size() + averaged.size();
+        if (cluster.size() == 1 && all > 2) return; // between surfaces, or by itself
+        // An averaged sample says that there is surface, if not where.
+        const auto isOwn = [&](const Member& m) {
+            return std::abs(m.dx) <= options_.reach * spacingX && std::abs(m.dy) <= options_.reach * spacingY;
+        };
+        if (std::none_of(cluster.begin(), cluster.end(), isOwn) &&
+            std::none_of(averaged.begin(), averaged.end(), isOwn))
+            return;
+        if (cluster.size() < kFewest && all >= kCrowd) { // among leaves two that agree do so by chance
+            averaged.insert(averaged.end(), members.begin(), members.end());
+            if (!lieOnOnePlane(averaged)) return;
+        }
         image.disparity(x, y) = planeAtCentre(cluster);
         image.flags(x, y) = scan_.hasColour ? std::uint8_t{0} : std::uint8_t{kNoColour};
         double w = 0, r = 0, g = 0, b = 0;
@@ -175,14 +216,10 @@ class Projection {
         image.colour(x, y) = {byte(r), byte(g), byte(b)};
     }
 
-    bool isOwn(double dx, double dy, double spacingX, double spacingY) const {
-        return std::abs(dx) <= options_.reach * spacingX && std::abs(dy) <= options_.reach * spacingY;
-    }
-
-    /// Returns whether an averaged sample is near.
-    bool gather(int x, int y, double reachX, double reachY, double spacingX, double spacingY,
-                std::vector<Member>& members) const {
-        bool isAveragedNear = false;
+    /// The samples about a pixel, sorted, and apart from them those that are averaged.
+    void gather(int x, int y, double reachX, double reachY, std::vector<Member>& members,
+                std::vector<Member>& averaged) const {
+        averaged.clear();
         members.clear();
         const int rx = std::min(static_cast<int>(std::ceil(reachX)), kMostSupport),
                   ry = std::min(static_cast<int>(std::ceil(reachY)), kMostSupport);
@@ -196,16 +233,13 @@ class Projection {
                 const double dx = seen.x - (x + 0.5), dy = seen.y - (y + 0.5);
                 const double weight = (1 - std::abs(dx) / reachX) * (1 - std::abs(dy) / reachY);
                 if (std::abs(dx) >= reachX || std::abs(dy) >= reachY || weight <= 0) continue;
-                if (!traits_.isAveraged.empty() && traits_.isAveraged[seen.point]) {
-                    isAveragedNear |= isOwn(dx, dy, spacingX, spacingY);
-                    continue;
-                }
-                members.push_back({static_cast<float>(dx), static_cast<float>(dy), seen.disparity,
-                                   static_cast<float>(weight), seen.point});
+                const bool isAveraged = !traits_.isAveraged.empty() && traits_.isAveraged[seen.point];
+                (isAveraged ? averaged : members)
+                    .push_back({static_cast<float>(dx), static_cast<float>(dy), seen.disparity,
+                                static_cast<float>(weight), seen.point});
             }
         }
         std::sort(members.begin(), members.end());
-        return isAveragedNear;
     }
 
     /// secant: between the pixel's ray and the camera's axis; noise is along the ray.
