@@ -120,6 +120,13 @@ Panorama binned(const Scan& scan, int rows) {
     return panorama;
 }
 
+void findNormals(Panorama& panorama) {
+    tbb::parallel_for(0, panorama.height(), [&](int y) {
+        for (int x = 0; x < panorama.width(); ++x)
+            findNormal(panorama, x, y);
+    });
+}
+
 /// Of the cells about the horizon that saw anything.
 int medianSamples(const Panorama& panorama) {
     std::vector<int> samples;
@@ -154,10 +161,13 @@ double Panorama::weightOf(int row) const {
 Panorama panoramaOf(const Scan& scan) {
     Panorama panorama = binned(scan, kCoarseRows);
     if (medianSamples(panorama) >= kDenseSamples) panorama = binned(scan, kFineRows);
-    tbb::parallel_for(0, panorama.height(), [&](int y) {
-        for (int x = 0; x < panorama.width(); ++x)
-            findNormal(panorama, x, y);
-    });
+    findNormals(panorama);
+    return panorama;
+}
+
+Panorama panoramaOf(const Scan& scan, int rows) {
+    Panorama panorama = binned(scan, rows);
+    findNormals(panorama);
     return panorama;
 }
 

@@ -22,8 +22,11 @@ constexpr int kLeastSamples = 200;                   ///< of a plane and face: f
 constexpr double kLeastArea = 0.3;                   ///< square metres; small things are seldom as plane as they look
 constexpr double kUsualNoise = 0.006, kMostMore = 6; ///< metres; times the samples of usual scans
 constexpr std::size_t kLeastPlanes = 6;
-/// Range along glancing surfaces is no straight line within a position of the encoder: what samples do not tell of.
-constexpr double kSystematicMetres = 0.002;
+/// A degree each: in finer cells noise decides how far out a plane is found, and not evenly to both its sides.
+constexpr int kRows = 180;
+/// Range along glancing surfaces is no straight line within a position of the encoder, and noise has a say in how far
+/// out a sample still counts: what samples do not tell of the mirror's distance, of itself and of their noise.
+constexpr double kSystematicMetres = 0.002, kSystematicShare = 0.3;
 constexpr int kConstants = 4;
 
 using Numbers = std::array<double, kConstants>;
@@ -77,6 +80,20 @@ double distanceOf(const ScannerConstants<double>& constants, const FacedPlane& p
     return distance;
 }
 
+/// values: not none.
+double medianOf(std::vector<double> values) {
+    const auto middle = values.begin() + std::ssize(values) / 2;
+    std::nth_element(values.begin(), middle, values.end());
+    return *middle;
+}
+
+double medianNoiseOf(const std::vector<FacedPlane>& planes) {
+    std::vector<double> noises;
+    for (const FacedPlane& plane : planes)
+        noises.push_back(plane.noiseMetres);
+    return medianOf(noises);
+}
+
 /// The scan with the samples of one face alone.
 Scan ofFace(const Scan& scan, const ScanRecords& records, ScannerFace face) {
     Scan half;
@@ -90,26 +107,47 @@ Scan ofFace(const Scan& scan, const ScanRecords& records, ScannerFace face) {
     return half;
 }
 
+/// Which cells lie on a plane together with all about them. At a plane's rim luck decides which cells are taken for
+/// part of it, and beams are averaged with what stands beside it: what is taken there is not even.
+Image<std::uint8_t> withinPlanes(const Panorama& panorama) {
+    const int width = panorama.width(), height = panorama.height();
+    Image<std::uint8_t> within(width, height, std::uint8_t{0});
+    for (int y = 1; y + 1 < height; ++y)
+        for (int x = 0; x < width; ++x) {
+            const int plane = panorama.cells(x, y).plane;
+            bool isWithin = plane >= 0;
+            for (int j = y - 1; j <= y + 1 && isWithin; ++j)
+                for (const int i : {(x + width - 1) % width, x, (x + 1) % width}) {
+                    const PanoramaCell& beside = panorama.cells(i, j);
+                    isWithin &= beside.plane == plane || beside.samples == 0;
+                }
+            within(x, y) = isWithin;
+        }
+    return within;
+}
+
 /// Adds what a scan, read with `constants`, shows of planes that both faces saw. most: samples to add.
 void addSightings(const Scan& scan, const ScanRecords& records, bool isFirstPass, std::size_t most,
                   Sightings& sightings) {
     // Wrong constants part the faces' planes: they are then looked for in one face, and the other's samples near them.
     const Scan front = isFirstPass ? ofFace(scan, records, ScannerFace::front) : Scan();
     const Scan& whole = isFirstPass ? front : scan;
-    Panorama panorama = panoramaOf(whole);
+    Panorama panorama = panoramaOf(whole, kRows);
     const std::vector<ScanPlane> planes = planesOf(whole, panorama);
+    const Image<std::uint8_t> within = withinPlanes(panorama);
 
     std::vector<std::array<std::vector<std::size_t>, 2>> seen(planes.size());
     for (std::size_t i = 0; i < records.records.size(); ++i) {
         if (!(records.records[i].rangeMetres > 0)) continue;
         const glm::dvec3 p(scan.pointsInScanner[i]);
-        const PanoramaCell* cell = panorama.find(p);
-        if (!cell || cell->plane < 0) continue;
-        const ScanPlane& plane = planes[static_cast<std::size_t>(cell->plane)];
+        const auto place = panorama.placeOf(p);
+        if (!place || !within((*place)[0], (*place)[1])) continue;
+        const auto k = static_cast<std::size_t>(panorama.cells((*place)[0], (*place)[1]).plane);
+        const ScanPlane& plane = planes[k];
         const double gate = isFirstPass ? kGateMetres + kGateShare * glm::length(p)
                                         : std::max(kGateDeviations * plane.noiseMetres, 0.002);
         if (std::abs(glm::dot(plane.normal, p) - plane.offset) < gate)
-            seen[static_cast<std::size_t>(cell->plane)][records.faces[i] == ScannerFace::back].push_back(i);
+            seen[k][records.faces[i] == ScannerFace::back].push_back(i);
     }
     std::vector<std::size_t> both;
     for (std::size_t k = 0; k < planes.size(); ++k)
@@ -121,8 +159,7 @@ void addSightings(const Scan& scan, const ScanRecords& records, bool isFirstPass
     std::vector<double> noises;
     for (const std::size_t k : both)
         noises.push_back(planes[k].noiseMetres);
-    std::nth_element(noises.begin(), noises.begin() + std::ssize(noises) / 2, noises.end());
-    const double more = std::clamp(std::pow(noises[noises.size() / 2] / kUsualNoise, 2), 1.0, kMostMore);
+    const double more = std::clamp(std::pow(medianOf(noises) / kUsualNoise, 2), 1.0, kMostMore);
     const std::size_t mostOfFace = std::max<std::size_t>(
         static_cast<std::size_t>(more * static_cast<double>(most)) / (2 * both.size()), kLeastSamples);
     for (const std::size_t k : both) {
@@ -263,7 +300,8 @@ ScannerCalibration calibrateScanner(std::size_t scans, const std::function<Scan(
     }
     result.constants = constantsOf(constants);
     result.deviations = constantsOf(deviationsOf(sightings, constants));
-    result.deviations.mirrorMetres = std::hypot(result.deviations.mirrorMetres, kSystematicMetres);
+    result.deviations.mirrorMetres = std::hypot(result.deviations.mirrorMetres, kSystematicMetres,
+                                                kSystematicShare * medianNoiseOf(sightings.planes));
     result.planes = static_cast<int>(sightings.planes.size());
     result.samples = std::ssize(sightings.taken);
     result.rmsAfterMetres = rmsOf(result.constants, sightings);

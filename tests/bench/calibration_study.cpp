@@ -1,7 +1,7 @@
 // How exactly the constants of a scanner are found: simulated scans of both faces, over many seeds, each with an
 // instrument, tripods and noise of its own.
 //
-//   revisit_calibration_study OUT.json room|corner SEEDS [SAMPLES_PER_DEGREE [NOISE_MM [SCANS]]]
+//   revisit_calibration_study OUT.json room|corner SEEDS [SAMPLES_PER_DEGREE [NOISE_MM [SCANS [FIRST_SEED]]]]
 
 #include "scene/align/scanner_calibration.h"
 #include "scene/capture/simulated_scan.h"
@@ -41,10 +41,10 @@ int main(int argc, char** argv) {
     const auto synthetic = argc < 4 ? std::nullopt : scene::makeSyntheticScene(argv[2]);
     if (!synthetic) {
         std::fprintf(stderr, "usage: revisit_calibration_study OUT.json room|corner SEEDS [SAMPLES_PER_DEGREE "
-                             "[NOISE_MM [SCANS]]]\n");
+                             "[NOISE_MM [SCANS [FIRST_SEED]]]]\n");
         return 2;
     }
-    const int seeds = std::atoi(argv[3]);
+    const int seeds = std::atoi(argv[3]), firstSeed = argc > 7 ? std::atoi(argv[7]) : 1;
     const double density = argc > 4 ? std::atof(argv[4]) : 4, noise = argc > 5 ? std::atof(argv[5]) / 1000 : 0.005;
     std::vector<scene::Pose> tripods = scanPositions(*synthetic);
     if (argc > 6) tripods.resize(std::min(tripods.size(), static_cast<std::size_t>(std::atoi(argv[6]))));
@@ -53,7 +53,7 @@ int main(int argc, char** argv) {
     json runs = json::array();
     std::array<std::vector<double>, 4> sizes, inDeviations;
     int refused = 0;
-    for (int seed = 1; seed <= seeds; ++seed) {
+    for (int seed = firstSeed; seed < firstSeed + seeds; ++seed) {
         scene::SeededSequence chance(static_cast<std::uint64_t>(seed));
         scene::ScannerConstants<double> truth;
         truth.panStepsPerHalfTurn += chance.between(-60, 60);
