@@ -173,6 +173,10 @@ std::vector<Knob> makeKnobs() {
             "where whole images were taken all round from several positions, only those of the positions about the "
             "walker are drawn",
             {false}, [](auto& q) -> auto& { return q.walksByCells; }),
+        number(
+            "edge_samples", "samples",
+            "polygons: so many of each pixel (1, 2, 4 or 8, as the device has them) smooth their edges", {1, 8}, {4},
+            [](auto& q) -> auto& { return q.edgeSamples; }),
         yesOrNo(
             "show_unseen", "where no image ever looked is shown as unseen, else as emptiness", {false},
             [](auto& q) -> auto& { return q.showUnseen; }),

@@ -72,7 +72,7 @@ void recordLevels(VkCommandBuffer commands, const DeviceImage& image, std::uint3
 } // namespace
 
 DeviceImage makeImage(const Device& device, int width, int height, VkFormat format, VkImageUsageFlags usage,
-                      VkImageAspectFlags aspect, std::uint32_t levels) {
+                      VkImageAspectFlags aspect, std::uint32_t levels, VkSampleCountFlagBits samples) {
     DeviceImage made;
     made.width = width, made.height = height;
     VkImageCreateInfo info{};
@@ -82,7 +82,7 @@ DeviceImage makeImage(const Device& device, int width, int height, VkFormat form
     info.extent = {static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height), 1};
     info.mipLevels = levels;
     info.arrayLayers = 1;
-    info.samples = VK_SAMPLE_COUNT_1_BIT;
+    info.samples = samples;
     info.usage = usage;
     VkImage image = VK_NULL_HANDLE;
     check(vkCreateImage(device, &info, nullptr, &image));

@@ -20,9 +20,10 @@ struct DeviceImage {
     int width = 0, height = 0;
 };
 
-/// One level, one layer; aspect: colour or depth.
+/// One layer; aspect: colour or depth. Of several samples a pixel it has one level.
 DeviceImage makeImage(const Device& device, int width, int height, VkFormat format, VkImageUsageFlags usage,
-                      VkImageAspectFlags aspect, std::uint32_t levels = 1);
+                      VkImageAspectFlags aspect, std::uint32_t levels = 1,
+                      VkSampleCountFlagBits samples = VK_SAMPLE_COUNT_1_BIT);
 
 /// sRGB, with all coarser levels, to be sampled. Waits until it is there. Throws scene::Failure if the device has no
 /// textures of that size; `name` says which it is.

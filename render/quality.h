@@ -68,6 +68,10 @@ struct Quality {
     /// softer; above 1 each pixel is the mean of several (supersampling), which smooths edges.
     double resolutionScale = 1.0;
 
+    /// Ordinary polygons: samples of each pixel (multisampling): 1, 2, 4 or 8, as many of them as the device has. Their
+    /// edges are then mixed with what stands behind by how much of a pixel they cover.
+    int edgeSamples = 1;
+
     /// A second pass shows at every pixel the mean of all samples that stand at the surface `warp` found: the best
     /// pictures, for several times the time.
     bool isBlended = false;

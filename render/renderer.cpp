@@ -57,7 +57,7 @@ Renderer::Renderer(const Device& device, const GpuScene& scene, int width, int h
       unseen_(coverage != nullptr ? makeUnseenPipeline(device, *coverage, eyeLayout_) : ComputePipeline{}),
       polygons_(polygons), streams_(device, eyes) {
     assert(width > 0 && height > 0 && eyes >= 1 && eyes <= kMaxEyes);
-    if (polygons != nullptr) polygonPass_ = makePolygonPass(device, *polygons, eyeLayout_);
+    if (polygons != nullptr) polygonPass_ = makePolygonPass(device, *polygons, eyeLayout_, 1);
     for (int eye = 0; eye < eyes; ++eye)
         eyes_.push_back({.target = makeEyeTarget(device, eyeLayout_, width, height),
                          .timers = {StepTimer(device), StepTimer(device)}});
@@ -123,10 +123,21 @@ void Renderer::chooseResolution(const Quality& quality) {
     // Room for the eye's own size at least: whoever trades resolution for speed changes it again and again.
     const int roomWidth = std::max(width, width_), roomHeight = std::max(height, height_);
     const bool isScaled = width != width_ || height != height_;
+    chooseEdgeSamples(quality);
     for (Eye& eye : eyes_) {
         eye.isScaled = isScaled, eye.warpWidth = width, eye.warpHeight = height;
         makeTargets(eye, quality, roomWidth, roomHeight);
     }
+}
+
+void Renderer::chooseEdgeSamples(const Quality& quality) {
+    if (!polygonPass_) return;
+    const int samples = edgeSamplesOf(device_, quality.edgeSamples);
+    if (samples == polygonPass_->samples) return;
+    streams_.waitForAll(); // what goes may be in use
+    for (Eye& eye : eyes_)
+        eye.polygons.reset();
+    polygonPass_ = makePolygonPass(device_, *polygons_, eyeLayout_, samples);
 }
 
 void Renderer::makeTargets(Eye& eye, const Quality& quality, int roomWidth, int roomHeight) {

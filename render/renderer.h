@@ -109,6 +109,7 @@ class Renderer {
         std::array<OverlayBuffers, kFramesInFlight> overlayBuffers{}; ///< made when first wanted
     };
     void chooseResolution(const Quality& quality);
+    void chooseEdgeSamples(const Quality& quality);
     /// What is warped into has room for so many pixels a side.
     void makeTargets(Eye& eye, const Quality& quality, int roomWidth, int roomHeight);
     void recordPolygonsInto(VkCommandBuffer commands, Eye& eye, const scene::View& view, VkDescriptorSet eyeSet);

@@ -5,11 +5,14 @@
 #include "render/shaders/shared/polygons.h"
 
 #include "spirv/polygon_merge.comp.h"
+#include "spirv/polygon_merge_edges.comp.h"
 #include "spirv/polygons.frag.h"
 #include "spirv/polygons.vert.h"
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
+#include <span>
 
 #include <glm/matrix.hpp>
 
@@ -20,10 +23,15 @@ namespace {
 constexpr VkFormat kColourFormat = VK_FORMAT_R8G8B8A8_UNORM, kDepthFormat = VK_FORMAT_D32_SFLOAT;
 constexpr VkImageLayout kReadDepth = VK_IMAGE_LAYOUT_DEPTH_STENCIL_READ_ONLY_OPTIMAL;
 
-VkAttachmentDescription attachmentOf(VkFormat format, VkImageLayout finalLayout) {
+/// Vulkan's flags are the numbers.
+VkSampleCountFlagBits flagOf(int samples) {
+    return static_cast<VkSampleCountFlagBits>(samples);
+}
+
+VkAttachmentDescription attachmentOf(VkFormat format, int samples, VkImageLayout finalLayout) {
     VkAttachmentDescription attachment{};
     attachment.format = format;
-    attachment.samples = VK_SAMPLE_COUNT_1_BIT;
+    attachment.samples = flagOf(samples);
     attachment.loadOp = VK_ATTACHMENT_LOAD_OP_CLEAR;
     attachment.storeOp = VK_ATTACHMENT_STORE_OP_STORE;
     attachment.stencilLoadOp = VK_ATTACHMENT_LOAD_OP_DONT_CARE;
@@ -34,9 +42,9 @@ VkAttachmentDescription attachmentOf(VkFormat format, VkImageLayout finalLayout)
 }
 
 /// The picture of the frame before has been merged when this one is cleared, and is whole when it is merged.
-RenderPass makeRenderPass(const Device& device) {
-    const std::array attachments{attachmentOf(kColourFormat, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL),
-                                 attachmentOf(kDepthFormat, kReadDepth)};
+RenderPass makeRenderPass(const Device& device, int samples) {
+    const std::array attachments{attachmentOf(kColourFormat, samples, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL),
+                                 attachmentOf(kDepthFormat, samples, kReadDepth)};
     const VkAttachmentReference colour{0, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL},
         depth{1, VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL};
     VkSubpassDescription subpass{};
@@ -78,7 +86,7 @@ VkPipelineShaderStageCreateInfo stageOf(VkShaderStageFlagBits stage, VkShaderMod
     return info;
 }
 
-Pipeline makeDrawingPipeline(const Device& device, VkPipelineLayout layout, VkRenderPass renderPass) {
+Pipeline makeDrawingPipeline(const Device& device, VkPipelineLayout layout, VkRenderPass renderPass, int ofPixel) {
     const ShaderModule vertex = makeShaderModule(device, kPolygonsVertexCode),
                        fragment = makeShaderModule(device, kPolygonsFragmentCode);
     const std::array stages{stageOf(VK_SHADER_STAGE_VERTEX_BIT, vertex),
@@ -109,7 +117,7 @@ Pipeline makeDrawingPipeline(const Device& device, VkPipelineLayout layout, VkRe
     raster.lineWidth = 1;
     VkPipelineMultisampleStateCreateInfo samples{};
     samples.sType = VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO;
-    samples.rasterizationSamples = VK_SAMPLE_COUNT_1_BIT;
+    samples.rasterizationSamples = flagOf(ofPixel);
     VkPipelineDepthStencilStateCreateInfo depth{};
     depth.sType = VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO;
     depth.depthTestEnable = depth.depthWriteEnable = VK_TRUE;
@@ -169,29 +177,43 @@ void begin(VkCommandBuffer commands, const PolygonPass& pass, const PolygonTarge
 
 } // namespace
 
-PolygonPass makePolygonPass(const Device& device, const GpuPolygons& polygons, VkDescriptorSetLayout eyeLayout) {
+int edgeSamplesOf(const Device& device, int wanted) {
+    const VkPhysicalDeviceLimits& limits = device.limits();
+    const VkSampleCountFlags there = limits.framebufferColorSampleCounts & limits.framebufferDepthSampleCounts &
+                                     limits.sampledImageColorSampleCounts & limits.sampledImageDepthSampleCounts;
+    int samples = 1;
+    for (int more = 2; more <= std::min(wanted, 8); more *= 2)
+        if ((there & flagOf(more)) != 0) samples = more;
+    return samples;
+}
+
+PolygonPass makePolygonPass(const Device& device, const GpuPolygons& polygons, VkDescriptorSetLayout eyeLayout,
+                            int samples) {
     PolygonPass pass;
-    pass.renderPass = makeRenderPass(device);
+    pass.samples = samples;
+    pass.renderPass = makeRenderPass(device, samples);
     pass.layout =
         makePipelineLayout(device, std::array{polygons.textureLayout()}, {kDrawingStages, 0, sizeof(PolygonConstants)});
-    pass.pipeline = makeDrawingPipeline(device, pass.layout, pass.renderPass);
+    pass.pipeline = makeDrawingPipeline(device, pass.layout, pass.renderPass, samples);
     pass.pictureLayout = makeSetLayout(device, kPictures);
     const std::uint32_t size = device.isProcessor() ? static_cast<std::uint32_t>(device.subgroupSize()) : 128;
-    pass.merge = makeComputePipeline(device, kPolygonMergeCode,
-                                     std::array<VkDescriptorSetLayout, 2>{eyeLayout, pass.pictureLayout},
-                                     sizeof(PolygonMergeConstants), std::array{size});
+    const std::span<const std::uint32_t> merging = samples > 1 ? std::span<const std::uint32_t>(kPolygonMergeEdgesCode)
+                                                               : std::span<const std::uint32_t>(kPolygonMergeCode);
+    pass.merge =
+        makeComputePipeline(device, merging, std::array<VkDescriptorSetLayout, 2>{eyeLayout, pass.pictureLayout},
+                            sizeof(PolygonMergeConstants), std::array{size});
     pass.sampler = makePixelSampler(device);
     return pass;
 }
 
 PolygonTarget makePolygonTarget(const Device& device, const PolygonPass& pass, int width, int height) {
     PolygonTarget target;
-    target.colours =
-        makeImage(device, width, height, kColourFormat,
-                  VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT, VK_IMAGE_ASPECT_COLOR_BIT);
-    target.depths =
-        makeImage(device, width, height, kDepthFormat,
-                  VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT, VK_IMAGE_ASPECT_DEPTH_BIT);
+    target.colours = makeImage(device, width, height, kColourFormat,
+                               VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT,
+                               VK_IMAGE_ASPECT_COLOR_BIT, 1, flagOf(pass.samples));
+    target.depths = makeImage(device, width, height, kDepthFormat,
+                              VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT,
+                              VK_IMAGE_ASPECT_DEPTH_BIT, 1, flagOf(pass.samples));
     const std::array<VkImageView, 2> attachments{target.colours.view, target.depths.view};
     VkFramebufferCreateInfo info{};
     info.sType = VK_STRUCTURE_TYPE_FRAMEBUFFER_CREATE_INFO;
@@ -273,7 +295,7 @@ std::uint64_t recordPolygons(VkCommandBuffer commands, const PolygonPass& pass, 
 
 void recordPolygonMerge(VkCommandBuffer commands, const PolygonPass& pass, const PolygonTarget& target,
                         VkDescriptorSet eyeSet, int width, int height) {
-    const PolygonMergeConstants constants{width};
+    const PolygonMergeConstants constants{width, pass.samples};
     const std::array sets{eyeSet, target.set};
     vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pass.merge.pipeline);
     vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pass.merge.layout, 0, 2, sets.data(), 0, nullptr);

@@ -12,7 +12,11 @@ namespace render {
 using RenderPass = Handle<VkRenderPass, &vkDestroyRenderPass>;
 using Framebuffer = Handle<VkFramebuffer, &vkDestroyFramebuffer>;
 
+/// As many samples of a pixel as the device has, and no more than were wanted: 1, 2, 4 or 8.
+int edgeSamplesOf(const Device& device, int wanted);
+
 struct PolygonPass {
+    int samples = 1; ///< of a pixel
     RenderPass renderPass;
     PipelineLayout layout;
     Pipeline pipeline;
@@ -21,7 +25,9 @@ struct PolygonPass {
     Sampler sampler;
 };
 
-PolygonPass makePolygonPass(const Device& device, const GpuPolygons& polygons, VkDescriptorSetLayout eyeLayout);
+/// samples: of edgeSamplesOf.
+PolygonPass makePolygonPass(const Device& device, const GpuPolygons& polygons, VkDescriptorSetLayout eyeLayout,
+                            int samples);
 
 /// What an eye's polygons are drawn into. One serves all frames in flight: they follow one another on the eye's queue.
 struct PolygonTarget {

@@ -44,7 +44,9 @@ void findNormal(Panorama& panorama, int x, int y) {
     const double range = glm::length(centre), width = range * panorama.stepRadians();
     // Near the poles cells are narrow: a window as wide as it is high takes more of them.
     const double step = std::clamp(kWindowMetres / (kWindow * width), 1.0, 12.0);
-    const int down = static_cast<int>(step), across = static_cast<int>(step / std::max(panorama.weightOf(y), 0.05));
+    const int down = static_cast<int>(step),
+              across =
+                  std::min(static_cast<int>(step / std::max(panorama.weightOf(y), 0.05)), panorama.width() / kWindow);
     Sums sums;
     for (int dy = -kWindow; dy <= kWindow; ++dy)
         for (int dx = -kWindow; dx <= kWindow; ++dx) {

@@ -35,7 +35,7 @@ struct Panorama {
     double stepRadians() const;
     /// Column and row of a direction of any length; nothing for the origin itself.
     std::optional<std::array<int, 2>> placeOf(const glm::dvec3& direction) const;
-    /// How many cells make one of the coarsest panorama, each way: what need not be looked at more closely is not.
+    /// How many cells make one of the coarse panorama, each way, or 1: what need not be looked at more closely is not.
     int finerThanCoarse() const { return height() > kCoarseRows ? height() / kCoarseRows : 1; }
     /// Share of the sphere that a cell of this row stands for, the level ones' being 1.
     double weightOf(int row) const;
@@ -47,7 +47,7 @@ struct Panorama {
 };
 
 /// A scan's panorama, with normals from a window of five by five cells. As fine as its samples allow, or of so many
-/// rows: wide cells leave less of the noise, and planes reach farther out to where they are seen at a glance.
+/// rows: wide cells leave less of the noise, and planes reach farther out to where they are seen glancingly.
 Panorama panoramaOf(const Scan& scan);
 Panorama panoramaOf(const Scan& scan, int rows);
 

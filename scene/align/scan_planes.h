@@ -32,7 +32,7 @@ struct ScanPlane {
 };
 
 struct ScanPlaneOptions {
-    int leastCells = 40;     ///< of the coarsest panorama
+    int leastCells = 40;     ///< of the panorama, if it is coarse; of so many coarse ones if it is finer
     double leastArea = 0.04; ///< square metres
     int most = 60;           ///< the largest by what they cover of the view and in metres are kept
 };

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cassert>
 #include <cmath>
 
 #include <Eigen/Dense>
@@ -23,10 +24,11 @@ constexpr double kLeastArea = 0.3;                   ///< square metres; small t
 constexpr double kUsualNoise = 0.006, kMostMore = 6; ///< metres; times the samples of usual scans
 constexpr std::size_t kLeastPlanes = 6;
 /// A degree each: in finer cells noise decides how far out a plane is found, and not evenly to both its sides.
-constexpr int kRows = 180;
-/// Range along glancing surfaces is no straight line within a position of the encoder, and noise has a say in how far
-/// out a sample still counts: what samples do not tell of the mirror's distance, of itself and of their noise.
-constexpr double kSystematicMetres = 0.002, kSystematicShare = 0.3;
+constexpr int kPanoramaRows = 180;
+/// What samples do not tell of the mirror's distance. Range along glancing surfaces is no straight line within a
+/// position of the encoder: 2 mm. And noise has a say in what counts as part of a plane: found 4 to 6 mm too great
+/// where samples leave planes by 15 mm (docs/performance.md).
+constexpr double kSystematicMetres = 0.002, kSystematicOfNoise = 0.3;
 constexpr int kConstants = 4;
 
 using Numbers = std::array<double, kConstants>;
@@ -107,8 +109,9 @@ Scan ofFace(const Scan& scan, const ScanRecords& records, ScannerFace face) {
     return half;
 }
 
-/// Which cells lie on a plane together with all about them. At a plane's rim luck decides which cells are taken for
-/// part of it, and beams are averaged with what stands beside it: what is taken there is not even.
+/// Which cells lie on a plane together with all about them that saw anything. At a plane's rim luck decides which cells
+/// are taken for part of it, and beams are averaged with what stands beside it: what is taken there is not even. Where
+/// nothing came back there is nothing to average with. The rows at the poles have nobody beyond them and never count.
 Image<std::uint8_t> withinPlanes(const Panorama& panorama) {
     const int width = panorama.width(), height = panorama.height();
     Image<std::uint8_t> within(width, height, std::uint8_t{0});
@@ -132,7 +135,7 @@ void addSightings(const Scan& scan, const ScanRecords& records, bool isFirstPass
     // Wrong constants part the faces' planes: they are then looked for in one face, and the other's samples near them.
     const Scan front = isFirstPass ? ofFace(scan, records, ScannerFace::front) : Scan();
     const Scan& whole = isFirstPass ? front : scan;
-    Panorama panorama = panoramaOf(whole, kRows);
+    Panorama panorama = panoramaOf(whole, kPanoramaRows);
     const std::vector<ScanPlane> planes = planesOf(whole, panorama);
     const Image<std::uint8_t> within = withinPlanes(panorama);
 
@@ -270,7 +273,8 @@ std::string whatIsLacking(const ScannerConstants<double>& d) {
     if (!(d.panStepsPerHalfTurn <= kMostStepsDeviation)) return "the steps of the pan unit cannot be told";
     if (!(d.mirrorRadians <= kMostMirrorDeviation)) return "the mirror's angle cannot be told";
     if (!(d.horizonPosition <= kMostHorizonDeviation)) return "the encoder's horizon cannot be told";
-    if (!(d.mirrorMetres <= kMostMetresDeviation)) return "the distance to the mirror cannot be told";
+    if (!(d.mirrorMetres <= kMostMetresDeviation))
+        return "the distance to the mirror cannot be told from ranges as noisy as these";
     return {};
 }
 
@@ -280,6 +284,7 @@ ScannerCalibration calibrateScanner(std::size_t scans, const std::function<Scan(
                                     const ScannerConstants<double>& believed,
                                     const ScannerCalibrationOptions& options) {
     ScannerCalibration result;
+    assert(options.passes > 0);
     Numbers constants = numbersOf(believed);
     Sightings sightings;
     for (int pass = 0; pass < options.passes; ++pass) {
@@ -301,7 +306,7 @@ ScannerCalibration calibrateScanner(std::size_t scans, const std::function<Scan(
     result.constants = constantsOf(constants);
     result.deviations = constantsOf(deviationsOf(sightings, constants));
     result.deviations.mirrorMetres = std::hypot(result.deviations.mirrorMetres, kSystematicMetres,
-                                                kSystematicShare * medianNoiseOf(sightings.planes));
+                                                kSystematicOfNoise * medianNoiseOf(sightings.planes));
     result.planes = static_cast<int>(sightings.planes.size());
     result.samples = std::ssize(sightings.taken);
     result.rmsAfterMetres = rmsOf(result.constants, sightings);

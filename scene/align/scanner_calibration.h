@@ -4,10 +4,11 @@
 // 44.8 degrees instead of 45, the encoder's horizon, the distance to the mirror) and leave open how they were found.
 //
 // A wrong mirror or horizon moves what the two faces saw to different sides, a wrong number of steps parts them by the
-// turn between, and a wrong distance bends every plane that is seen at several angles. So all samples of each plane, of
-// both faces, are laid on one plane, and the constants adjusted with the planes: least squares with a robust loss
-// (Ceres), through the very function that reads records. A scan of half a turn takes nothing twice but what reaches
-// from one face's half into the other's, floors above all: several such scans hold the constants, too, less exactly.
+// turn between, and a wrong distance bends every plane that is seen at several angles. So samples of each plane, of
+// both faces and away from its rims, are laid on one plane, and the constants adjusted with the planes: least squares
+// with a robust loss (Ceres), through the very function that reads records. A scan of half a turn takes nothing twice
+// but what reaches from one face's half into the other's, floors above all: several such scans hold the constants, too,
+// less exactly.
 
 #include "scene/align/scanner_records.h"
 
@@ -29,8 +30,10 @@ inline constexpr double kMostStepsDeviation = 3, kMostMirrorDeviation = 0.00035,
 
 struct ScannerCalibration {
     ScannerConstants<double> constants;
-    ScannerConstants<double> deviations; ///< standard deviations; judged by how planes disagree, not by samples alone
-    int planes = 0;                      ///< seen by both faces
+    /// Standard deviations, judged by how planes disagree, not by samples alone; that of the mirror's distance with an
+    /// allowance for what glancing surfaces and noise do to all of them alike.
+    ScannerConstants<double> deviations;
+    int planes = 0; ///< seen by both faces
     std::int64_t samples = 0;
     double rmsBeforeMetres = 0, rmsAfterMetres = 0; ///< of samples from their planes, the middle 90 % of them
     std::string why; ///< empty: found. Otherwise what they lack, a sentence without a full stop; constants then stay

@@ -22,9 +22,10 @@ constexpr double kSameInSlit = 0.01;
 constexpr double kLeastOff = 0.005, kOffDeviations = 3.5; ///< of averaged samples; relative
 constexpr double kGentle = 0.015, kSteepest = 0.08;       ///< slopes from one sample to the next; relative
 constexpr double kSlopeGoesOn = 0.5;                      ///< by which a steep slope may change, of itself
-constexpr std::size_t kFewest = 3, kCrowd = 5;            ///< samples that make a surface where so many are about
-constexpr double kOnePlane = 0.005;                       ///< root mean square of what lies on one; relative
-constexpr int kMostSupport = 64; ///< pixels; a camera far finer than the scan is left with holes
+/// Samples that hardly make a surface where so many are about, of the nine or so that a support of 1.5 spacings holds.
+constexpr std::size_t kPair = 2, kFew = 4, kCrowd = 5;
+constexpr double kOnePlane = 0.005; ///< root mean square of what lies on one; relative, and noise more
+constexpr int kMostSupport = 64;    ///< pixels; a camera far finer than the scan is left with holes
 
 /// Samples that go on neither the surface before nor the one behind them in their row or column, but lie between the
 /// two. 1 / range of a plane is a straight line along rows and columns, so each side is carried on by its own slope.
@@ -147,7 +148,7 @@ Plane planeThrough(std::span<const Member> members) {
         xd += m.weight * dx * dd, yd += m.weight * dy * dd;
     }
     const double determinant = xx * yy - xy * xy;
-    plane.isSpanned = members.size() >= 4 && determinant >= 0.02 * (xx + yy) * (xx + yy);
+    plane.isSpanned = members.size() >= 4 && determinant > 0.02 * (xx + yy) * (xx + yy);
     if (plane.isSpanned) plane.b = (xd * yy - yd * xy) / determinant, plane.c = (yd * xx - xd * xy) / determinant;
     return plane;
 }
@@ -159,14 +160,15 @@ float planeAtCentre(std::span<const Member> members) {
 }
 
 /// Whether samples lie on one plane, however steeply it stands: neighbours on a far floor are clusters of their own.
-bool lieOnOnePlane(std::span<const Member> members) {
+/// noise: relative.
+bool lieOnOnePlane(std::span<const Member> members, double noise) {
     const Plane plane = planeThrough(members);
     double w = 0, squares = 0;
     for (const Member& m : members) {
         const double off = m.disparity - plane.at(m.dx, m.dy);
         w += m.weight, squares += m.weight * off * off;
     }
-    return plane.isSpanned && squares <= w * std::pow(kOnePlane * plane.disparity, 2);
+    return plane.isSpanned && squares <= w * (kOnePlane * kOnePlane + noise * noise) * std::pow(plane.disparity, 2);
 }
 
 class Projection {
@@ -177,13 +179,19 @@ class Projection {
           step_(traits.spacingRadians()) {}
 
     void row(int y, DepthImage& image) const {
-        std::vector<Member> members, averaged;
+        Scratch scratch;
         for (int x = 0; x < camera_.width; ++x)
-            pixel(x, y, members, averaged, image);
+            pixel(x, y, scratch, image);
     }
 
   private:
-    void pixel(int x, int y, std::vector<Member>& members, std::vector<Member>& averaged, DepthImage& image) const {
+    /// Reused from pixel to pixel.
+    struct Scratch {
+        std::vector<Member> members, averaged, about;
+    };
+
+    void pixel(int x, int y, Scratch& scratch, DepthImage& image) const {
+        auto& [members, averaged, about] = scratch;
         const glm::dvec3 ray = rayThrough(camera_, x + 0.5, y + 0.5);
         const double away = glm::dot(ray, ray); // angles widen by this towards the rim
         const double spacingX = std::max(step_ * camera_.fx * away, 1.0),
@@ -201,9 +209,11 @@ class Projection {
         if (std::none_of(cluster.begin(), cluster.end(), isOwn) &&
             std::none_of(averaged.begin(), averaged.end(), isOwn))
             return;
-        if (cluster.size() < kFewest && all >= kCrowd) { // among leaves two that agree do so by chance
-            averaged.insert(averaged.end(), members.begin(), members.end());
-            if (!lieOnOnePlane(averaged)) return;
+        if (cluster.size() <= kFew && all >= kCrowd) { // among leaves they agree by chance
+            about.assign(members.begin(), members.end());
+            about.insert(about.end(), averaged.begin(), averaged.end());
+            const bool isSure = cluster.size() > kPair && !isBetween(cluster, about, std::sqrt(away));
+            if (!isSure && !lieOnOnePlane(about, noiseAt(cluster.front().disparity, std::sqrt(away)))) return;
         }
         image.disparity(x, y) = planeAtCentre(cluster);
         image.flags(x, y) = scan_.hasColour ? std::uint8_t{0} : std::uint8_t{kNoColour};
@@ -242,6 +252,14 @@ class Projection {
         std::sort(members.begin(), members.end());
     }
 
+    /// Whether others stand both before and behind a cluster.
+    bool isBetween(std::span<const Member> cluster, std::span<const Member> about, double secant) const {
+        const auto [farthest, nearest] = std::minmax_element(
+            about.begin(), about.end(), [](const Member& a, const Member& b) { return a.disparity < b.disparity; });
+        return nearest->disparity - cluster.back().disparity > gap(nearest->disparity, secant) &&
+               cluster.front().disparity - farthest->disparity > gap(cluster.front().disparity, secant);
+    }
+
     /// secant: between the pixel's ray and the camera's axis; noise is along the ray.
     std::span<const Member> heaviest(std::span<const Member> sorted, double secant) const {
         std::size_t bestFirst = 0, bestEnd = 0;
@@ -258,9 +276,10 @@ class Projection {
         return sorted.subspan(bestFirst, bestEnd - bestFirst);
     }
 
+    /// Relative.
+    double noiseAt(double disparity, double secant) const { return options_.noiseMetres / secant * disparity; }
     double gap(double disparity, double secant) const {
-        const double noise = options_.noiseMetres / secant * disparity; // relative
-        return disparity * std::max(options_.sameSurface, kNoiseWidths * noise);
+        return disparity * std::max(options_.sameSurface, kNoiseWidths * noiseAt(disparity, secant));
     }
 
     const Scan& scan_;

@@ -6,6 +6,7 @@
 
 #include "render/gpu_polygons.h"
 #include "render/shaders/shared/polygons.h"
+#include "render/warp/polygon_pass.h"
 #include "scene/srgb.h"
 
 #include <cmath>
@@ -144,6 +145,77 @@ TEST_F(Polygons, AndImagesHideEachOtherWhereverTheImagesWereTaken) {
             }
         EXPECT_GT(wallSeen, 20000);
         EXPECT_GT(rectangleSeen, 20000);
+    }
+}
+
+/// What share of a pixel the rectangle covers, by 16 x 16 rays.
+double coverOf(const scene::PolygonMesh& mesh, const scene::View& view, int x, int y) {
+    scene::View finer = view;
+    finer.camera = scene::resized(view.camera, 16 * view.camera.width, 16 * view.camera.height);
+    int inside = 0;
+    for (int j = 0; j < 16; ++j)
+        for (int i = 0; i < 16; ++i)
+            inside += meet(mesh, finer, 16 * x + i, 16 * y + j).edge > 0;
+    return inside / 256.0;
+}
+
+TEST_F(Polygons, EdgesAreMixedWithWhatStandsBehindByWhatTheyCover) {
+    const int samples = edgeSamplesOf(testDevice(), 4);
+    if (samples < 4) GTEST_SKIP() << "because this device has no more than " << samples << " samples of a pixel";
+    // A black rectangle, leaning, before a wall that is all white.
+    scene::DepthImage wall = takePlane(cameraOf(400, 300, 1.4), {0, 0, 1}, 4);
+    for (scene::Rgb8& colour : wall.colour.pixels())
+        colour = {255, 255, 255};
+    const CutScene images = cut({wall});
+    const GpuScene onDevice(testDevice(), images.blocks());
+    const scene::View view{cameraOf(160, 120, 0.8), {}};
+    const scene::PolygonScene polygons =
+        rectangle({-0.6f, -0.5f, 2}, {1.1f, 0.2f, 0}, {-0.1f, 0.9f, 0.3f}, glm::vec3(0.0f));
+    Quality single, smooth;
+    smooth.edgeSamples = 4;
+    const EyeImage hard = draw(onDevice, polygons, view, single), soft = draw(onDevice, polygons, view, smooth);
+    EXPECT_TRUE(isSame(soft, draw(onDevice, polygons, view, smooth)));
+    double hardOff = 0, softOff = 0;
+    int edges = 0;
+    for (int y = 0; y < 120; ++y)
+        for (int x = 0; x < 160; ++x) {
+            const double cover = coverOf(polygons.meshes[0], view, x, y);
+            if (cover == 0 || cover == 1) {
+                ASSERT_EQ(soft.colour(x, y), hard.colour(x, y)) << x << " " << y;
+                ASSERT_EQ(soft.pixelClass(x, y), cover == 1 ? kClassFilled : kClassSeen);
+                ASSERT_NEAR(soft.depthMetres(x, y), hard.depthMetres(x, y), 1e-4 * hard.depthMetres(x, y));
+                continue;
+            }
+            ++edges;
+            hardOff += std::abs(1 - hard.colour(x, y).g / 255.0 - cover);
+            softOff += std::abs(1 - soft.colour(x, y).g / 255.0 - cover);
+            if (cover > 0.3 && cover < 0.7) continue;
+            ASSERT_EQ(soft.pixelClass(x, y), cover > 0.5 ? kClassFilled : kClassSeen) << "what it is mostly";
+        }
+    ASSERT_GT(edges, 150);
+    EXPECT_GT(hardOff / edges, 0.2) << "the test must see what it looks for";
+    EXPECT_LT(softOff / edges, 0.1) << "a quarter of a pixel is the least that four samples tell";
+}
+
+TEST_F(Polygons, SamplesOfAPixelMayChangeFromFrameToFrame) {
+    const CutScene images = roomFromWithin(64);
+    const GpuScene onDevice(testDevice(), images.blocks());
+    const scene::PolygonScene polygons = rectangle({-0.5f, -0.5f, 2}, {1, 0.1f, 0}, {0, 1, 0}, {0.9f, 0.1f, 0.1f});
+    const GpuPolygons drawn(testDevice(), polygons, kUp);
+    const auto [left, right] = scene::eyesOf(cameraOf(160, 120, 1.0), {}, 0.063);
+    const std::array eyes{left, right};
+    Renderer renderer(testDevice(), onDevice, 160, 120, 2, nullptr, &drawn);
+    std::vector<std::vector<EyeImage>> pictures;
+    for (const int samples : {1, 4, 2, 8, 1, 4}) {
+        Quality quality;
+        quality.edgeSamples = samples;
+        renderer.draw(eyes, quality);
+        pictures.push_back(renderer.readBack());
+    }
+    for (const std::size_t eye : {0, 1}) {
+        EXPECT_TRUE(isSame(pictures[0][eye], pictures[4][eye]));
+        EXPECT_TRUE(isSame(pictures[1][eye], pictures[5][eye]));
+        EXPECT_EQ(isSame(pictures[0][eye], pictures[1][eye]), edgeSamplesOf(testDevice(), 4) == 1);
     }
 }
 

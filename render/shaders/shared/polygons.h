@@ -21,11 +21,12 @@ struct PolygonConstants {
 };
 
 struct PolygonMergeConstants {
-    int width; ///< pixels; a workgroup merges one row
+    int width;   ///< pixels; a workgroup merges one row
+    int samples; ///< of a pixel
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(PolygonConstants) == 96 && sizeof(PolygonMergeConstants) == 4);
+static_assert(sizeof(PolygonConstants) == 96 && sizeof(PolygonMergeConstants) == 8);
 #endif
 
 /// Light of an even sky: the same from everywhere, and for both eyes. facingUp: -1 to 1.
@@ -46,6 +47,26 @@ SHARED_FUNCTION uvec2 mergedKey(uvec2 key, float depth, uint colour) {
     if (disparity <= 0.0f) return key;
     if ((key.x & 3u) != kClassBackground && eyeDisparityOf(key) >= disparity) return key;
     return packKey(disparity, colour, kClassFilled);
+}
+
+/// Whether one of a pixel's samples shows a polygon before what stands in the pixel.
+SHARED_FUNCTION bool isPolygonBefore(uvec2 key, float depth) {
+    PRECISE float disparity = depth / kPolygonNear;
+    return disparity > 0.0f && ((key.x & 3u) == kClassBackground || eyeDisparityOf(key) < disparity);
+}
+
+/// A pixel of several samples, of which `before` show polygons before what stands there, at depth by their mean.
+/// Colours (r, g, b of 255) are mixed by how many, depth and class are of what most of them show. polygons: the sum of
+/// their colours. With emptiness nothing can be mixed.
+SHARED_FUNCTION uvec2 mergedEdge(uvec2 key, int samples, int before, float depth, vec3 polygons) {
+    bool isEmpty = (key.x & 3u) == kClassBackground;
+    bool isPolygon = 2 * before >= samples;
+    if (before == 0 || (isEmpty && !isPolygon)) return key;
+    vec3 behind = vec3(float((key.x >> 8) & 255u), float((key.x >> 16) & 255u), float(key.x >> 24));
+    vec3 mean = isEmpty ? polygons / float(before) : (polygons + float(samples - before) * behind) / float(samples);
+    uint colour = uint(mean.x + 0.5f) | (uint(mean.y + 0.5f) << 8) | (uint(mean.z + 0.5f) << 16);
+    if (isPolygon) return packKey(depth / kPolygonNear, colour, kClassFilled);
+    return uvec2((colour << 8) | (key.x & 255u), key.y);
 }
 
 SHARED_END
