@@ -1,6 +1,7 @@
 #include "app/device_trouble.h"
 
 #include "render/device.h"
+#include "render/warp/polygon_pass.h"
 #include "render/warp/stereo_pass.h"
 
 #include <cstdio>
@@ -63,9 +64,13 @@ std::unique_ptr<render::GpuCoverage> makeCoverage(const render::Device& device, 
     }
 }
 
-void sayWhyNotInOnePass(const render::Device& device, const render::Quality& quality, int eyes) {
+void sayWhatCannotBeHad(const render::Device& device, const render::Quality& quality, int eyes) {
     const std::string why = quality.isOnePass ? render::whyNotInOnePass(device, quality, eyes) : "";
     if (!why.empty()) say("--one-pass: " + why);
+    const int samples = render::edgeSamplesOf(device, quality.edgeSamples);
+    if (samples < quality.edgeSamples)
+        say("--edge-samples: " + std::to_string(samples) + " of a pixel, the most up to " +
+            std::to_string(quality.edgeSamples) + " that " + device.name() + " has");
 }
 
 void sayPassedOver(const render::Device& device) {

@@ -46,8 +46,9 @@ std::unique_ptr<render::GpuCoverage> makeCoverage(const render::Device& device, 
 /// Says that unseen space is shown as emptiness from now on, and why.
 void sayUnseenIsGivenUp(const scene::Failure& failure);
 
-/// Says why eyes are drawn one by one that were to be drawn in one pass, if they are.
-void sayWhyNotInOnePass(const render::Device& device, const render::Quality& quality, int eyes);
+/// Says what of a quality this device cannot do, and what it does instead: eyes that were to be drawn in one pass are
+/// drawn one by one, edges of polygons by fewer samples.
+void sayWhatCannotBeHad(const render::Device& device, const render::Quality& quality, int eyes);
 
 /// Says which better devices were passed over, and what they lack, if there are any.
 void sayPassedOver(const render::Device& device);

@@ -118,7 +118,7 @@ void renderScene(const RenderOptions& options) {
     DrawnScene drawnScene(scene, options.draw);
     drawnScene.mayShowUnseen = quality.showUnseen;
     Canvas canvas(drawnScene);
-    sayWhyNotInOnePass(canvas.device(), quality, eyes);
+    sayWhatCannotBeHad(canvas.device(), quality, eyes);
     DamageTeller damage;
     Selection selection(scene);
     if (options.showsCells && !selection.hasCells())

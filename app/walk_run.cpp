@@ -35,7 +35,7 @@ void Walk::run() {
     while (true) {
         say("walking: " + stage->name() + ", on " + stage->device().name());
         if (const std::string refusal = stage->askForRate(options_.framesPerSecond); !refusal.empty()) say(refusal);
-        sayWhyNotInOnePass(stage->device(), knobs_.quality, stage->source().eyes());
+        sayWhatCannotBeHad(stage->device(), knobs_.quality, stage->source().eyes());
         facts_.display = stage->name() + ", drawn on " + stage->device().name();
         Outcome outcome = Outcome::deviceLost;
         try {

@@ -140,9 +140,10 @@ TEST(PolygonsBuild, OtherPolygonsStandInTheSceneAsWhatNobodyMeasured) {
     const scene::View view{{160, 120, 120, 120, 80, 60}, {glm::dmat3(1, 0, 0, 0, -1, 0, 0, 0, -1), {-1, 1.6, 2}}};
     writeFile(scratch / "cameras.json",
               json{{"cameras", {scene::describeCamera("v", view.camera, view.worldFromEye)}}}.dump());
-    const auto draw = [&](const std::string& polygons) {
+    const auto draw = [&](const std::string& polygons, const std::string& edgeSamples = "1") {
         return run({kRevisit, "render", (scratch / "s").string(), "--out", (scratch / "frames").string(), "--cameras",
-                    (scratch / "cameras.json").string(), "--aux", "--polygons", (scratch / polygons).string()},
+                    (scratch / "cameras.json").string(), "--aux", "--polygons", (scratch / polygons).string(),
+                    "--edge-samples", edgeSamples},
                    scratch.path());
     };
     const Outcome drawn = draw("board.obj");
@@ -158,6 +159,12 @@ TEST(PolygonsBuild, OtherPolygonsStandInTheSceneAsWhatNobodyMeasured) {
             ASSERT_EQ(isBoard, inside > 0) << x << " " << y; // holes of the room are filled, too
         }
     EXPECT_EQ(readJson(scratch / "frames/report.json").at("triangles_drawn").at("median"), 4);
+    const Outcome smooth = draw("board.obj", "3"); // no device has three
+    EXPECT_EQ(smooth.status, 0) << smooth.output;
+    EXPECT_THAT(smooth.output, HasSubstr("of a pixel, the most up to 3 that "));
+    const cv::Mat1b smoothClasses = cv::imread((scratch / "frames/v-class.png").string(), cv::IMREAD_GRAYSCALE);
+    EXPECT_LT(cv::countNonZero(smoothClasses != classes), 400) << "along edges alone";
+    EXPECT_THAT(draw("board.obj", "9").output, HasSubstr("1 to 8"));
     const Outcome missing = draw("none.obj");
     EXPECT_EQ(missing.status, 1);
     EXPECT_THAT(missing.output, HasSubstr("none.obj: no such file"));
