@@ -1,5 +1,7 @@
 #include "scene/align/edge_pictures.h"
 
+#include "scene/median.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -47,13 +49,6 @@ EdgeImage imageOf(const cv::Mat3f& mat) {
     return image;
 }
 
-float medianOf(std::vector<float> values) {
-    if (values.empty()) return 0;
-    const auto middle = values.begin() + std::ssize(values) / 2;
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
-}
-
 float saturated(float strength, float half) {
     return strength * strength / (strength * strength + half * half);
 }
@@ -88,7 +83,7 @@ cv::Mat3f edgesOf(const cv::Mat3f& slopes, float least, const cv::Mat1b& mask = 
     for (int y = 0; y < slopes.rows; ++y)
         for (int x = 0; x < slopes.cols; ++x)
             if (mask.empty() || mask(y, x)) strengths.push_back(slopes(y, x)[0]);
-    const float half = std::max(least, kTimesUsual * medianOf(std::move(strengths)));
+    const float half = std::max(least, kTimesUsual * medianOf(strengths));
     cv::Mat3f edges(slopes.rows, slopes.cols, cv::Vec3f());
     for (int y = 0; y < slopes.rows; ++y)
         for (int x = 0; x < slopes.cols; ++x) {

@@ -1,5 +1,7 @@
 #include "scene/align/joint_surfaces.h"
 
+#include "scene/median.h"
+
 #include <algorithm>
 #include <cassert>
 #include <cmath>
@@ -71,13 +73,6 @@ Pose moved(const Pose& pose, const Vector6& motion) {
     const glm::dvec3 v = angle > 0 ? turn / angle * std::sin(half) : glm::dvec3(0);
     const Pose by = poseFromQuaternion({motion[3], motion[4], motion[5]}, v.x, v.y, v.z, std::cos(half));
     return by * pose;
-}
-
-double medianOf(std::vector<float>& values) {
-    if (values.empty()) return 0;
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return static_cast<double>(*middle);
 }
 
 /// Deviations of a pose about its own scanner.

@@ -1,6 +1,7 @@
 #include "scene/align/scanner_calibration.h"
 
 #include "scene/align/scan_planes.h"
+#include "scene/median.h"
 
 #include <algorithm>
 #include <array>
@@ -80,13 +81,6 @@ double distanceOf(const ScannerConstants<double>& constants, const FacedPlane& p
     double distance = 0;
     OffPlane{record, 1}(c.data(), plane.reciprocal.data(), &distance);
     return distance;
-}
-
-/// values: not none.
-double medianOf(std::vector<double> values) {
-    const auto middle = values.begin() + std::ssize(values) / 2;
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
 }
 
 double medianNoiseOf(const std::vector<FacedPlane>& planes) {

@@ -1,5 +1,7 @@
 #include "scene/import/local_origin.h"
 
+#include "scene/median.h"
+
 #include <algorithm>
 #include <cmath>
 #include <vector>
@@ -7,16 +9,6 @@
 #include <glm/geometric.hpp>
 
 namespace scene {
-namespace {
-
-double medianOf(std::vector<double>& values) {
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
-}
-
-} // namespace
-
 std::optional<glm::dvec3> localOrigin(std::span<const glm::dvec3> points) {
     if (points.empty()) return std::nullopt;
     glm::dvec3 centre{0.0};

@@ -1,5 +1,7 @@
 #include "scene/project/scan_grid.h"
 
+#include "scene/median.h"
+
 #include <algorithm>
 #include <cassert>
 #include <cmath>
@@ -15,13 +17,6 @@ namespace {
 
 constexpr double kFinestStep = 1e-6; ///< radians; finer than any scanner's encoder
 constexpr double kPi = std::numbers::pi;
-
-double median(std::vector<double>& values) {
-    assert(!values.empty());
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
-}
 
 double azimuthBetween(const glm::vec3& a, const glm::vec3& b) {
     const double angle = std::abs(std::atan2(double{a.y}, double{a.x}) - std::atan2(double{b.y}, double{b.x}));
@@ -60,9 +55,9 @@ std::optional<AngularSteps> stepsOf(const Scan& scan, const Image<std::int32_t>&
     Changes along = changesAlong(scan, cells, 1, 0), across = changesAlong(scan, cells, 0, 1);
     if (along.azimuth.empty() || across.azimuth.empty()) return std::nullopt;
     // Columns are turns of the head and rows nods in most files; some swap them.
-    if (median(along.azimuth) < median(along.elevation)) std::swap(along, across);
-    const AngularSteps steps{std::max(median(along.azimuth), kFinestStep),
-                             std::max(median(across.elevation), kFinestStep)};
+    if (medianOf(along.azimuth) < medianOf(along.elevation)) std::swap(along, across);
+    const AngularSteps steps{std::max(medianOf(along.azimuth), kFinestStep),
+                             std::max(medianOf(across.elevation), kFinestStep)};
     // Regular directions fill the sphere once, or twice for scanners that turn over the zenith; loose points
     // in an arbitrary order jump about and would fill it many times.
     const double filled = static_cast<double>(scan.pointsInScanner.size()) * steps.horizontal * steps.vertical;
@@ -78,7 +73,7 @@ bool closesOf(const Scan& scan, const Image<std::int32_t>& cells, const AngularS
             gaps.push_back(azimuthBetween(scan.pointsInScanner[static_cast<std::size_t>(first)],
                                           scan.pointsInScanner[static_cast<std::size_t>(last)]));
     }
-    return cells.width() > 8 && !gaps.empty() && median(gaps) < 1.5 * steps.horizontal;
+    return cells.width() > 8 && !gaps.empty() && medianOf(gaps) < 1.5 * steps.horizontal;
 }
 
 // Decides which cells are neighbours on one surface.

@@ -1,5 +1,6 @@
 #include "scene/refine/colour_evening.h"
 
+#include "scene/median.h"
 #include "scene/srgb.h"
 
 #include <algorithm>
@@ -25,12 +26,6 @@ struct Ratio {
     std::uint32_t image = 0, other = 0;
     std::array<double, kChannels> log{}, deviation{};
 };
-
-double medianOf(std::vector<float>& values) {
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
-}
 
 bool isTelling(const Rgb8& c) {
     return std::min({c.r, c.g, c.b}) >= kDarkest && std::max({c.r, c.g, c.b}) <= kBrightest;

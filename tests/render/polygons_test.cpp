@@ -9,7 +9,9 @@
 #include "render/warp/polygon_pass.h"
 #include "scene/srgb.h"
 
+#include <array>
 #include <cmath>
+#include <tuple>
 
 #include <glm/geometric.hpp>
 #include <glm/gtc/matrix_transform.hpp>
@@ -148,6 +150,18 @@ TEST_F(Polygons, AndImagesHideEachOtherWhereverTheImagesWereTaken) {
     }
 }
 
+/// In a room that was photographed, 63 mm apart, looking at polygons.
+struct TwoEyes {
+    explicit TwoEyes(const scene::PolygonScene& polygons) : drawn(testDevice(), polygons, kUp) {
+        std::tie(eyes[0], eyes[1]) = scene::eyesOf(cameraOf(160, 120, 1.0), {}, 0.063);
+    }
+    CutScene images = roomFromWithin(64);
+    GpuScene onDevice{testDevice(), images.blocks()};
+    GpuPolygons drawn;
+    std::array<scene::View, 2> eyes;
+    Renderer renderer{testDevice(), onDevice, 160, 120, 2, nullptr, &drawn};
+};
+
 /// What share of a pixel the rectangle covers, by 16 x 16 rays.
 double coverOf(const scene::PolygonMesh& mesh, const scene::View& view, int x, int y) {
     scene::View finer = view;
@@ -198,19 +212,13 @@ TEST_F(Polygons, EdgesAreMixedWithWhatStandsBehindByWhatTheyCover) {
 }
 
 TEST_F(Polygons, SamplesOfAPixelMayChangeFromFrameToFrame) {
-    const CutScene images = roomFromWithin(64);
-    const GpuScene onDevice(testDevice(), images.blocks());
-    const scene::PolygonScene polygons = rectangle({-0.5f, -0.5f, 2}, {1, 0.1f, 0}, {0, 1, 0}, {0.9f, 0.1f, 0.1f});
-    const GpuPolygons drawn(testDevice(), polygons, kUp);
-    const auto [left, right] = scene::eyesOf(cameraOf(160, 120, 1.0), {}, 0.063);
-    const std::array eyes{left, right};
-    Renderer renderer(testDevice(), onDevice, 160, 120, 2, nullptr, &drawn);
+    TwoEyes walker(rectangle({-0.5f, -0.5f, 2}, {1, 0.1f, 0}, {0, 1, 0}, {0.9f, 0.1f, 0.1f}));
     std::vector<std::vector<EyeImage>> pictures;
     for (const int samples : {1, 4, 2, 8, 1, 4}) {
         Quality quality;
         quality.edgeSamples = samples;
-        renderer.draw(eyes, quality);
-        pictures.push_back(renderer.readBack());
+        walker.renderer.draw(walker.eyes, quality);
+        pictures.push_back(walker.renderer.readBack());
     }
     for (const std::size_t eye : {0, 1}) {
         EXPECT_TRUE(isSame(pictures[0][eye], pictures[4][eye]));
@@ -291,20 +299,14 @@ TEST_F(Polygons, OfGlassAreNotThereAndSceneWithoutAnyDrawsAsBefore) {
 }
 
 TEST_F(Polygons, AreDrawnAtOtherResolutionsAndForBothEyesAlike) {
-    const CutScene images = roomFromWithin(64);
-    const GpuScene onDevice(testDevice(), images.blocks());
-    const scene::PolygonScene polygons = rectangle({-0.5f, -0.5f, 2}, {1, 0, 0}, {0, 1, 0}, {0.9f, 0.1f, 0.1f});
-    const GpuPolygons drawn(testDevice(), polygons, kUp);
-    const auto [left, right] = scene::eyesOf(cameraOf(160, 120, 1.0), {}, 0.063);
-    const std::array eyes{left, right};
-    Renderer renderer(testDevice(), onDevice, 160, 120, 2, nullptr, &drawn);
+    TwoEyes walker(rectangle({-0.5f, -0.5f, 2}, {1, 0, 0}, {0, 1, 0}, {0.9f, 0.1f, 0.1f}));
     for (const double scale : {1.0, 0.5, 2.0, 1.0}) {
         Quality quality;
         quality.resolutionScale = scale;
-        renderer.draw(eyes, quality);
-        const FrameStats stats = renderer.finish();
+        walker.renderer.draw(walker.eyes, quality);
+        const FrameStats stats = walker.renderer.finish();
         EXPECT_EQ(stats.eyes[0].trianglesDrawn, 2u);
-        const std::vector<EyeImage> pictures = renderer.readBack();
+        const std::vector<EyeImage> pictures = walker.renderer.readBack();
         for (const EyeImage& picture : pictures) {
             EXPECT_EQ(picture.pixelClass(80, 60), kClassFilled) << scale;
             EXPECT_NEAR(picture.depthMetres(80, 60), 2, 1e-3) << scale;
@@ -316,7 +318,7 @@ TEST_F(Polygons, AreDrawnAtOtherResolutionsAndForBothEyesAlike) {
                 ++x;
             return x;
         };
-        EXPECT_NEAR(edgeOf(pictures[0]) - edgeOf(pictures[1]), 0.063 / 2 * left.camera.fx, 2);
+        EXPECT_NEAR(edgeOf(pictures[0]) - edgeOf(pictures[1]), 0.063 / 2 * walker.eyes[0].camera.fx, 2);
     }
 }
 

@@ -40,19 +40,17 @@ SHARED_FUNCTION float encodedChannel(float linear) {
     return c <= 0.0031308f ? 12.92f * c : 1.055f * pow(c, 1.0f / 2.4f) - 0.055f;
 }
 
-/// What a pixel of the z-buffer becomes where a polygon stands before it; else it stays. depth: near / z, 0 where there
-/// is no polygon. colour: r | g << 8 | b << 16. What was not measured is of class filled.
-SHARED_FUNCTION uvec2 mergedKey(uvec2 key, float depth, uint colour) {
-    PRECISE float disparity = depth / kPolygonNear;
-    if (disparity <= 0.0f) return key;
-    if ((key.x & 3u) != kClassBackground && eyeDisparityOf(key) >= disparity) return key;
-    return packKey(disparity, colour, kClassFilled);
-}
-
-/// Whether one of a pixel's samples shows a polygon before what stands in the pixel.
+/// Whether a polygon stands before what stands in the pixel. depth: near / z, 0 where there is no polygon.
 SHARED_FUNCTION bool isPolygonBefore(uvec2 key, float depth) {
     PRECISE float disparity = depth / kPolygonNear;
     return disparity > 0.0f && ((key.x & 3u) == kClassBackground || eyeDisparityOf(key) < disparity);
+}
+
+/// What a pixel of the z-buffer becomes where a polygon stands before it; else it stays. colour: r | g << 8 | b << 16.
+/// What was not measured is of class filled.
+SHARED_FUNCTION uvec2 mergedKey(uvec2 key, float depth, uint colour) {
+    PRECISE float disparity = depth / kPolygonNear;
+    return isPolygonBefore(key, depth) ? packKey(disparity, colour, kClassFilled) : key;
 }
 
 /// A pixel of several samples, of which `before` show polygons before what stands there, at depth by their mean.
