@@ -30,6 +30,7 @@ constexpr int kPanoramaRows = 180;
 /// position of the encoder: 2 mm. And noise has a say in what counts as part of a plane: found 4 to 6 mm too great
 /// where samples leave planes by 15 mm (docs/performance.md).
 constexpr double kSystematicMetres = 0.002, kSystematicOfNoise = 0.3;
+constexpr double kLeastUneven = 0.0001; ///< metres; none at all would be believed too much
 constexpr int kConstants = 4;
 
 using Numbers = std::array<double, kConstants>;
@@ -42,44 +43,66 @@ ScannerConstants<double> constantsOf(const Numbers& n) {
     return {n[0], n[1], n[2], n[3]};
 }
 
-/// A record that is taken to lie on a plane.
+/// A record that is taken to lie on a patch of a plane.
 struct Taken {
     ScannerRecord record;
-    std::size_t plane = 0;
+    ScannerFace face;
+    std::size_t patch = 0;
 };
 
 /// A plane that both faces saw, as the vector whose product with each of its points is 1.
 struct FacedPlane {
     std::array<double, 3> reciprocal{};
     double noiseMetres = 0;
+    double unevenMetres = 0; ///< standard deviation of its patches from it
+};
+
+/// What a cell of the panorama shows of a plane. Frames and shelves stand before walls by less than noise tells: a
+/// patch may stand off its plane, for both faces alike, by as much as patches of that plane usually do.
+struct Patch {
+    std::size_t plane = 0;
+    double offMetres = 0;
 };
 
 /// Planes and what was seen of them, of all scans.
 struct Sightings {
     std::vector<FacedPlane> planes;
+    std::vector<Patch> patches; ///< of a plane one after the other
     std::vector<Taken> taken;
 };
 
-/// The distance of a record's place from its plane, in deviations.
-struct OffPlane {
+/// The distance of a record's place from its patch, in deviations.
+struct OffPatch {
     ScannerRecord record;
     double weight;
 
     template <class T>
-    bool operator()(const T* c, const T* w, T* residual) const {
+    bool operator()(const T* c, const T* w, const T* off, T* residual) const {
         const ScannerConstants<T> constants{c[0], c[1], c[2], c[3]};
         const std::array<T, 3> p = scannedPoint<T>(constants, T(record.encoder), T(record.pan), T(record.rangeMetres));
         using std::sqrt;
         const T length = sqrt(w[0] * w[0] + w[1] * w[1] + w[2] * w[2]);
-        residual[0] = (w[0] * p[0] + w[1] * p[1] + w[2] * p[2] - T(1)) / length * weight;
+        residual[0] = ((w[0] * p[0] + w[1] * p[1] + w[2] * p[2] - T(1)) / length - off[0]) * weight;
+        return true;
+    }
+};
+
+/// How far a patch stands off its plane, in deviations.
+struct OffUsual {
+    double weight;
+
+    template <class T>
+    bool operator()(const T* off, T* residual) const {
+        residual[0] = off[0] * weight;
         return true;
     }
 };
 
 double distanceOf(const ScannerConstants<double>& constants, const FacedPlane& plane, const ScannerRecord& record) {
     const Numbers c = numbersOf(constants);
+    const double off = 0;
     double distance = 0;
-    OffPlane{record, 1}(c.data(), plane.reciprocal.data(), &distance);
+    OffPatch{record, 1}(c.data(), plane.reciprocal.data(), &off, &distance);
     return distance;
 }
 
@@ -133,7 +156,10 @@ void addSightings(const Scan& scan, const ScanRecords& records, bool isFirstPass
     const std::vector<ScanPlane> planes = planesOf(whole, panorama);
     const Image<std::uint8_t> within = withinPlanes(panorama);
 
-    std::vector<std::array<std::vector<std::size_t>, 2>> seen(planes.size());
+    struct Seen {
+        std::size_t sample, cell;
+    };
+    std::vector<std::array<std::vector<Seen>, 2>> seen(planes.size());
     for (std::size_t i = 0; i < records.records.size(); ++i) {
         if (!(records.records[i].rangeMetres > 0)) continue;
         const glm::dvec3 p(scan.pointsInScanner[i]);
@@ -144,7 +170,8 @@ void addSightings(const Scan& scan, const ScanRecords& records, bool isFirstPass
         const double gate = isFirstPass ? kGateMetres + kGateShare * glm::length(p)
                                         : std::max(kGateDeviations * plane.noiseMetres, 0.002);
         if (std::abs(glm::dot(plane.normal, p) - plane.offset) < gate)
-            seen[k][records.faces[i] == ScannerFace::back].push_back(i);
+            seen[k][records.faces[i] == ScannerFace::back].push_back(
+                {i, static_cast<std::size_t>((*place)[1] * panorama.width() + (*place)[0])});
     }
     std::vector<std::size_t> both;
     for (std::size_t k = 0; k < planes.size(); ++k)
@@ -159,15 +186,54 @@ void addSightings(const Scan& scan, const ScanRecords& records, bool isFirstPass
     const double more = std::clamp(std::pow(medianOf(noises) / kUsualNoise, 2), 1.0, kMostMore);
     const std::size_t mostOfFace = std::max<std::size_t>(
         static_cast<std::size_t>(more * static_cast<double>(most)) / (2 * both.size()), kLeastSamples);
+    constexpr std::size_t kNone = ~std::size_t{0};
+    std::vector<std::size_t> patchOf(
+        static_cast<std::size_t>(panorama.width()) * static_cast<std::size_t>(panorama.height()), kNone);
     for (const std::size_t k : both) {
         const glm::dvec3 w = planes[k].normal / planes[k].offset;
-        for (const std::vector<std::size_t>& samples : seen[k]) {
+        for (const std::vector<Seen>& samples : seen[k]) {
             const std::size_t count = std::min(samples.size(), mostOfFace);
-            for (std::size_t j = 0; j < count; ++j)
-                sightings.taken.push_back(
-                    {records.records[samples[j * samples.size() / count]], sightings.planes.size()});
+            for (std::size_t j = 0; j < count; ++j) {
+                const Seen& one = samples[j * samples.size() / count];
+                if (patchOf[one.cell] == kNone) {
+                    patchOf[one.cell] = sightings.patches.size();
+                    sightings.patches.push_back({sightings.planes.size(), 0});
+                }
+                sightings.taken.push_back({records.records[one.sample], records.faces[one.sample], patchOf[one.cell]});
+            }
         }
         sightings.planes.push_back({{w.x, w.y, w.z}, std::max(planes[k].noiseMetres, 0.0005)});
+    }
+}
+
+/// How uneven planes are: in what both faces saw of their patches, noise is each's own.
+void measureUnevenness(const ScannerConstants<double>& constants, Sightings& sightings) {
+    struct Sum {
+        double distance = 0;
+        int samples = 0;
+    };
+    std::vector<std::array<Sum, 2>> sums(sightings.patches.size());
+    for (const Taken& taken : sightings.taken) {
+        Sum& sum = sums[taken.patch][taken.face == ScannerFace::back];
+        sum.distance += distanceOf(constants, sightings.planes[sightings.patches[taken.patch].plane], taken.record);
+        ++sum.samples;
+    }
+    struct Moments {
+        double weight = 0, front = 0, back = 0, product = 0;
+    };
+    std::vector<Moments> moments(sightings.planes.size());
+    for (std::size_t i = 0; i < sums.size(); ++i) {
+        const auto [front, back] = sums[i];
+        if (front.samples == 0 || back.samples == 0) continue;
+        const double weight = 1.0 * front.samples * back.samples / (front.samples + back.samples);
+        const double f = front.distance / front.samples, b = back.distance / back.samples;
+        Moments& m = moments[sightings.patches[i].plane];
+        m.weight += weight, m.front += weight * f, m.back += weight * b, m.product += weight * f * b;
+    }
+    for (std::size_t k = 0; k < moments.size(); ++k) {
+        const Moments& m = moments[k];
+        const double covariance = m.weight > 0 ? m.product / m.weight - m.front * m.back / (m.weight * m.weight) : 0;
+        sightings.planes[k].unevenMetres = std::sqrt(std::max(covariance, kLeastUneven * kLeastUneven));
     }
 }
 
@@ -175,7 +241,8 @@ void addSightings(const Scan& scan, const ScanRecords& records, bool isFirstPass
 double rmsOf(const ScannerConstants<double>& constants, const Sightings& sightings) {
     std::vector<double> squares;
     for (const Taken& taken : sightings.taken) {
-        const double distance = distanceOf(constants, sightings.planes[taken.plane], taken.record);
+        const double distance =
+            distanceOf(constants, sightings.planes[sightings.patches[taken.patch].plane], taken.record);
         squares.push_back(distance * distance);
     }
     if (squares.empty()) return 0;
@@ -187,24 +254,33 @@ double rmsOf(const ScannerConstants<double>& constants, const Sightings& sightin
     return std::sqrt(sum / static_cast<double>(kept));
 }
 
-void addTo(ceres::Problem& problem, const Sightings& sightings, Numbers& constants, std::vector<FacedPlane>& planes) {
-    problem.AddParameterBlock(constants.data(), kConstants);
-    for (FacedPlane& plane : planes)
-        problem.AddParameterBlock(plane.reciprocal.data(), 3);
-    auto* loss = new ceres::CauchyLoss(kRobustDeviations); // the problem's from here on, once for all
-    for (const Taken& taken : sightings.taken) {
-        FacedPlane& plane = planes[taken.plane];
-        problem.AddResidualBlock(new ceres::AutoDiffCostFunction<OffPlane, 1, kConstants, 3>(
-                                     new OffPlane{taken.record, 1 / plane.noiseMetres}),
-                                 loss, constants.data(), plane.reciprocal.data());
-    }
-}
-
 void adjust(Sightings& sightings, Numbers& constants) {
     ceres::Problem problem;
-    addTo(problem, sightings, constants, sightings.planes);
+    auto* order = new ceres::ParameterBlockOrdering;       // the solver's
+    auto* loss = new ceres::CauchyLoss(kRobustDeviations); // the problem's from here on, once for all
+    problem.AddParameterBlock(constants.data(), kConstants);
+    order->AddElementToGroup(constants.data(), 1);
+    for (FacedPlane& plane : sightings.planes) {
+        problem.AddParameterBlock(plane.reciprocal.data(), 3);
+        order->AddElementToGroup(plane.reciprocal.data(), 1);
+    }
+    for (Patch& patch : sightings.patches) { // patches know nothing of each other
+        problem.AddParameterBlock(&patch.offMetres, 1);
+        order->AddElementToGroup(&patch.offMetres, 0);
+        problem.AddResidualBlock(new ceres::AutoDiffCostFunction<OffUsual, 1, 1>(
+                                     new OffUsual{1 / sightings.planes[patch.plane].unevenMetres}),
+                                 nullptr, &patch.offMetres);
+    }
+    for (const Taken& taken : sightings.taken) {
+        Patch& patch = sightings.patches[taken.patch];
+        FacedPlane& plane = sightings.planes[patch.plane];
+        problem.AddResidualBlock(new ceres::AutoDiffCostFunction<OffPatch, 1, kConstants, 3, 1>(
+                                     new OffPatch{taken.record, 1 / plane.noiseMetres}),
+                                 loss, constants.data(), plane.reciprocal.data(), &patch.offMetres);
+    }
     ceres::Solver::Options options;
-    options.linear_solver_type = ceres::DENSE_SCHUR; // planes know nothing of each other
+    options.linear_solver_type = ceres::DENSE_SCHUR;
+    options.linear_solver_ordering.reset(order);
     options.max_num_iterations = 30;
     options.function_tolerance = 1e-9;
     options.num_threads = 1; // the same bytes everywhere
@@ -216,26 +292,47 @@ void adjust(Sightings& sightings, Numbers& constants) {
 /// Standard deviations of the constants. Samples of a plane share its faults (it is not quite one), so each plane
 /// counts as one observation: the sandwich of White, by clusters.
 Numbers deviationsOf(const Sightings& sightings, const Numbers& constants) {
-    using Row = Eigen::Matrix<double, kConstants + 3, 1>;
-    using Square = Eigen::Matrix<double, kConstants + 3, kConstants + 3>;
+    constexpr int kNumbers = kConstants + 3;
+    using Row = Eigen::Matrix<double, kNumbers, 1>;
+    using Square = Eigen::Matrix<double, kNumbers, kNumbers>;
     std::vector<Square> hessians(sightings.planes.size(), Square::Zero());
     std::vector<Row> gradients(sightings.planes.size(), Row::Zero());
-    using Jet = ceres::Jet<double, kConstants + 3>;
+    struct OfPatch {
+        Row shared = Row::Zero();
+        double own = 0, gradient = 0;
+    };
+    std::vector<OfPatch> patches(sightings.patches.size());
+    using Jet = ceres::Jet<double, kNumbers + 1>;
     std::array<Jet, kConstants> c;
     for (int i = 0; i < kConstants; ++i)
         c[static_cast<std::size_t>(i)] = Jet(constants[static_cast<std::size_t>(i)], i);
     for (const Taken& taken : sightings.taken) {
-        const FacedPlane& plane = sightings.planes[taken.plane];
+        const Patch& patch = sightings.patches[taken.patch];
+        const FacedPlane& plane = sightings.planes[patch.plane];
         std::array<Jet, 3> w;
         for (int i = 0; i < 3; ++i)
             w[static_cast<std::size_t>(i)] = Jet(plane.reciprocal[static_cast<std::size_t>(i)], kConstants + i);
+        const Jet off(patch.offMetres, kNumbers);
         Jet residual;
-        OffPlane{taken.record, 1 / plane.noiseMetres}(c.data(), w.data(), &residual);
+        OffPatch{taken.record, 1 / plane.noiseMetres}(c.data(), w.data(), &off, &residual);
         const double loss = 1 / (1 + residual.a * residual.a / (kRobustDeviations * kRobustDeviations));
-        hessians[taken.plane] += loss * residual.v * residual.v.transpose();
-        gradients[taken.plane] += loss * residual.a * residual.v;
+        const Row slope = residual.v.head<kNumbers>();
+        const double ownSlope = residual.v[kNumbers];
+        hessians[patch.plane] += loss * slope * slope.transpose();
+        gradients[patch.plane] += loss * residual.a * slope;
+        patches[taken.patch].shared += loss * ownSlope * slope;
+        patches[taken.patch].own += loss * ownSlope * ownSlope;
+        patches[taken.patch].gradient += loss * residual.a * ownSlope;
     }
-    // Each plane's own three numbers are eliminated: what is left speaks of the constants.
+    // Patches' own numbers are eliminated first,
+    for (std::size_t i = 0; i < patches.size(); ++i) {
+        const Patch& patch = sightings.patches[i];
+        const double usual = 1 / std::pow(sightings.planes[patch.plane].unevenMetres, 2);
+        const Row through = patches[i].shared / (patches[i].own + usual);
+        hessians[patch.plane] -= through * patches[i].shared.transpose();
+        gradients[patch.plane] -= through * (patches[i].gradient + usual * patch.offMetres);
+    }
+    // then each plane's own three: what is left speaks of the constants.
     Eigen::Matrix4d information = Eigen::Matrix4d::Zero(), scatter = Eigen::Matrix4d::Zero();
     for (std::size_t k = 0; k < hessians.size(); ++k) {
         const Eigen::Matrix3d own = hessians[k].bottomRightCorner<3, 3>();
@@ -295,6 +392,7 @@ ScannerCalibration calibrateScanner(std::size_t scans, const std::function<Scan(
             return result;
         }
         if (pass == 0) result.rmsBeforeMetres = rmsOf(believed, sightings);
+        measureUnevenness(constantsOf(constants), sightings);
         adjust(sightings, constants);
     }
     result.constants = constantsOf(constants);

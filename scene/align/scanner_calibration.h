@@ -6,9 +6,10 @@
 // A wrong mirror or horizon moves what the two faces saw to different sides, a wrong number of steps parts them by the
 // turn between, and a wrong distance bends every plane that is seen at several angles. So samples of each plane, of
 // both faces and away from its rims, are laid on one plane, and the constants adjusted with the planes: least squares
-// with a robust loss (Ceres), through the very function that reads records. A scan of half a turn takes nothing twice
-// but what reaches from one face's half into the other's, floors above all: several such scans hold the constants, too,
-// less exactly.
+// with a robust loss (Ceres), through the very function that reads records. What hangs on a wall by less than noise
+// tells is taken for part of it: patches of a degree may stand off their plane by as much as both faces together say
+// that those of this plane do (random effects). A scan of half a turn takes nothing twice but what reaches from one
+// face's half into the other's, floors above all: several such scans hold the constants, too, less exactly.
 
 #include "scene/align/scanner_records.h"
 

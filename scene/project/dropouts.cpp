@@ -104,6 +104,45 @@ float planeAtCentre(std::span<const Neighbour> members) {
     return static_cast<float>(std::clamp(plane.atCentre(), least - (most - least), most + (most - least)));
 }
 
+/// Takes back what hangs in the middle of a gap: one wider than the support is surrounded there and nowhere else, and
+/// may be a dark pole before a wall. What stays joins surface on both sides of its row or of its column, or on one side
+/// of each, without a break.
+void removeHanging(const DepthImage& image, Image<float>& filled) {
+    const int width = filled.width(), height = filled.height();
+    constexpr std::uint8_t kJoins = 1, kJoinsBoth = 2;
+    Image<std::uint8_t> alongRow(width, height, std::uint8_t{0}), alongColumn = alongRow;
+    // place(i, k): the pixel at k of line i.
+    const auto markRuns = [&](int lines, int length, Image<std::uint8_t>& joins, auto place) {
+        tbb::parallel_for(0, lines, [&](int i) {
+            const auto isSurfaceAt = [&](int k) {
+                if (k < 0 || k >= length) return false;
+                const auto [x, y] = place(i, k);
+                return isSurface(image.flags(x, y));
+            };
+            const auto isFilled = [&](int k) {
+                const auto [x, y] = place(i, k);
+                return filled(x, y) > 0;
+            };
+            for (int first = 0; first < length; ++first) {
+                if (!isFilled(first)) continue;
+                int end = first + 1;
+                while (end < length && isFilled(end))
+                    ++end;
+                int ends = isSurfaceAt(first - 1) + isSurfaceAt(end);
+                if (first == 0 || end == length) ends *= 2; // beyond the image it may go on
+                for (; first < end; ++first) {
+                    const auto [x, y] = place(i, first);
+                    joins(x, y) = ends == 2 ? kJoinsBoth : ends == 1 ? kJoins : std::uint8_t{0};
+                }
+            }
+        });
+    };
+    markRuns(height, width, alongRow, [](int y, int x) { return std::array{x, y}; });
+    markRuns(width, height, alongColumn, [](int x, int y) { return std::array{x, y}; });
+    for (std::size_t i = 0; i < filled.size(); ++i)
+        if (alongRow.pixels()[i] + alongColumn.pixels()[i] < kJoinsBoth) filled.pixels()[i] = 0;
+}
+
 /// Puts new disparities (those over 0) into the image, their flags set by `flag`. Returns how many.
 template <class Flag>
 std::int64_t putInto(DepthImage& image, const Image<float>& filled, Flag flag) {
@@ -141,6 +180,7 @@ std::int64_t fillDropouts(DepthImage& image, const DropoutOptions& options) {
             filled(x, y) = planeAtCentre(members);
         }
     });
+    removeHanging(image, filled);
     return putInto(image, filled,
                    [](std::uint8_t flags) { return static_cast<std::uint8_t>((flags & ~kNoSurface) | kInterpolated); });
 }

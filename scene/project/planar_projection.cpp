@@ -22,13 +22,15 @@ constexpr double kSameInSlit = 0.01;
 constexpr double kLeastOff = 0.005, kOffDeviations = 3.5; ///< of averaged samples; relative
 constexpr double kGentle = 0.015, kSteepest = 0.08;       ///< slopes from one sample to the next; relative
 constexpr double kSlopeGoesOn = 0.5;                      ///< by which a steep slope may change, of itself
+constexpr double kFarBack = 0.03;                         ///< behind the surface beside; relative
 /// Samples that hardly make a surface where so many are about, of the nine or so that a support of 1.5 spacings holds.
 constexpr std::size_t kPair = 2, kFew = 4, kCrowd = 5;
 constexpr double kOnePlane = 0.005; ///< root mean square of what lies on one; relative, and noise more
 constexpr int kMostSupport = 64;    ///< pixels; a camera far finer than the scan is left with holes
 
 /// Samples that go on neither the surface before nor the one behind them in their row or column, but lie between the
-/// two. 1 / range of a plane is a straight line along rows and columns, so each side is carried on by its own slope.
+/// two, or behind the one where the other gave no echo. 1 / range of a plane is a straight line along rows and columns,
+/// so each side is carried on by its own slope.
 std::vector<std::uint8_t> findAveraged(const Scan& scan, const ScanGrid& grid) {
     const int width = grid.pointOfCell.width(), height = grid.pointOfCell.height();
     const double noiseMetres = rangeNoiseOf(scan);
@@ -48,12 +50,15 @@ std::vector<std::uint8_t> findAveraged(const Scan& scan, const ScanGrid& grid) {
         }
         return here + slope;
     };
+    // Noise of a sample and of what two others foretell.
+    const auto leastOff = [&](double here) {
+        return here * std::max(kLeastOff, kOffDeviations * std::sqrt(6.0) * noiseMetres * here);
+    };
     const auto isBetween = [&](int x, int y, int dx, int dy) {
         const double here = disparityAt(x, y);
         if (!(disparityAt(x - dx, y - dy) > 0 && disparityAt(x + dx, y + dy) > 0)) return false;
         const double from = carriedOn(x - dx, y - dy, dx, dy) - here, to = carriedOn(x + dx, y + dy, -dx, -dy) - here;
-        // Noise of a sample and of what two others foretell.
-        const double least = here * std::max(kLeastOff, kOffDeviations * std::sqrt(6.0) * noiseMetres * here);
+        const double least = leastOff(here);
         if (std::abs(from) <= least || std::abs(to) <= least) return false;
         if (from * to < 0) return true;
         if (from < 0) return false; // a rod before what stands behind it
@@ -65,12 +70,26 @@ std::vector<std::uint8_t> findAveraged(const Scan& scan, const ScanGrid& grid) {
             }
         return true;
     };
+    // At the rim of what gives an echo: behind the surface beside it, as if averaged with what gave none, and going on
+    // along the rim to neither side.
+    const auto hangsBehind = [&](int x, int y, int dx, int dy) {
+        const double here = disparityAt(x, y);
+        if (disparityAt(x - dx, y - dy) > 0 || !(disparityAt(x + dx, y + dy) > 0)) return false;
+        const double least = leastOff(here);
+        if (carriedOn(x + dx, y + dy, -dx, -dy) - here <= std::max(least, kFarBack * here)) return false;
+        for (const int side : {-1, 1}) {
+            const double beside = disparityAt(x + side * dy, y + side * dx);
+            if (beside > 0 && std::abs(beside - here) <= least) return false;
+        }
+        return true;
+    };
     std::vector<std::uint8_t> isAveraged(scan.pointsInScanner.size(), 0);
     tbb::parallel_for(0, height, [&](int y) {
         for (int x = 0; x < width; ++x)
             if (grid.pointOfCell(x, y) >= 0)
                 isAveraged[static_cast<std::size_t>(grid.pointOfCell(x, y))] =
-                    isBetween(x, y, 1, 0) || isBetween(x, y, 0, 1);
+                    isBetween(x, y, 1, 0) || isBetween(x, y, 0, 1) || hangsBehind(x, y, 1, 0) ||
+                    hangsBehind(x, y, -1, 0) || hangsBehind(x, y, 0, 1) || hangsBehind(x, y, 0, -1);
     });
     return isAveraged;
 }
