@@ -128,12 +128,12 @@ bool isOutside(const ViewWedge& wedge, const ImageSphere& sphere) {
     });
 }
 
-constexpr std::uint32_t kBatches = 3, kWarps = 4;
+constexpr std::uint32_t kBatches = 8, kWarps = 4;
 constexpr std::uint32_t kBuckets = kBatches * 2 * kWarps; ///< batch, near or far, warp
 
 /// Samples are put into a batch until they could cover the picture so many times. Those of one batch may hide each
-/// other in vain; each further batch costs a look at the z-buffer.
-constexpr std::array<double, kBatches - 1> kBatchCovers{1.5, 5};
+/// other in vain; each further batch costs a look at the z-buffer, of which the first is dear.
+constexpr std::array<double, kBatches - 1> kBatchCovers{1, 1.25, 1.5, 2, 2.5, 3.5, 5};
 
 /// With less than this to draw, looking costs more than it saves.
 constexpr double kLeastCover = 3;

@@ -119,4 +119,17 @@ std::vector<std::uint32_t> chunksWanted(const SceneIndex& index, const CoarserCh
     return wanted;
 }
 
+bool wantAboutTheSame(const LookedAt& a, const LookedAt& b) {
+    constexpr double kSameMetres = 0.005, kSameTurn = 0.0087;
+    const auto isSameEye = [&](const scene::View& one, const scene::View& other) {
+        const scene::Pose &from = one.worldFromEye, &to = other.worldFromEye;
+        return one.camera == other.camera && glm::distance(from.translation, to.translation) <= kSameMetres &&
+               glm::dot(from.rotation[2], to.rotation[2]) >= std::cos(kSameTurn);
+    };
+    const Quality &p = a.quality, &q = b.quality;
+    return p.samplePixels == q.samplePixels && p.preference.nearBaseline == q.preference.nearBaseline &&
+           p.isBlended == q.isBlended && p.blend.baseline == q.blend.baseline &&
+           std::ranges::equal(a.shares, b.shares) && std::ranges::equal(a.eyes, b.eyes, isSameEye);
+}
+
 } // namespace render

@@ -40,4 +40,7 @@ struct LookedAt {
 /// there, whichever way the eyes turn.
 std::vector<std::uint32_t> chunksWanted(const SceneIndex& index, const CoarserChunks& coarser, const LookedAt& looked);
 
+/// Whether two looks want so nearly the same that there is no need to ask again: heads are never quite still.
+bool wantAboutTheSame(const LookedAt& a, const LookedAt& b);
+
 } // namespace render

@@ -210,8 +210,10 @@ void TileStream::work() {
             counts_.bytesThere -= index_.chunks[chunk].chunk.bytes();
         }
         const Wish wish = wish_;
+        if (wish.number == 0) continue;
+        if (!wish.isSettling && answered_ > 0 && wantAboutTheSame(wish.looked(), fulfilled_.looked())) continue;
         lock.unlock();
-        if (wish.number > 0) serve(wish);
+        serve(wish);
         lock.lock();
     }
 }
@@ -245,13 +247,14 @@ void TileStream::serve(const Wish& wish) {
     {
         const std::lock_guard lock(mutex_);
         answered_ = wish.number;
+        fulfilled_ = wish;
         desired_.assign(desired.begin(), desired.end());
     }
     served_.notify_all();
 }
 
 TileStream::Choice TileStream::choose(const Wish& wish) const {
-    Choice choice{chunksWanted(index_, coarser_, {wish.eyes, wish.quality, wish.shares}), 0};
+    Choice choice{chunksWanted(index_, coarser_, wish.looked()), 0};
     std::erase_if(choice.wanted, [&](std::uint32_t chunk) { return states_[chunk] == State::kept; });
     std::uint64_t texels = 0;
     for (const std::uint32_t chunk : choice.wanted) {

@@ -67,6 +67,8 @@ class TileStream {
         std::vector<float> shares;
         std::uint64_t number = 0;
         bool isSettling = false;
+
+        LookedAt looked() const { return {eyes, quality, shares}; }
     };
     struct Copy; ///< what goes through a staging buffer
 
@@ -112,6 +114,7 @@ class TileStream {
     std::condition_variable wished_, served_;
     Wish wish_;
     std::uint64_t answered_ = 0; ///< number of the last wish that was fulfilled
+    Wish fulfilled_;
     bool hasNews_ = false, isEnding_ = false;
     std::vector<State> states_;
     std::vector<ChunkPlace> loaded_; ///< where those are that are there

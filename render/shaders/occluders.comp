@@ -7,39 +7,48 @@
 layout(local_size_x_id = 0) in;
 
 layout(set = 0, binding = 4) uniform usamplerBuffer zTexels;
-layout(std430, set = 0, binding = 6) writeonly buffer Occluders { uint leastDisparity[]; };
+layout(std430, set = 0, binding = 6) buffer Occluders { uint leastDisparity[]; };
 layout(push_constant) uniform Constants { OccluderConstants constants; };
 
+/// Beyond the image its rim goes on.
 uint disparityAt(int x, int y)
 {
     ivec2 last = ivec2(constants.width, constants.height) - 1;
     return texelFetch(zTexels, clamp(y, 0, last.y) * constants.width + clamp(x, 0, last.x)).y;
 }
 
-/// The greatest of three beside one another.
-uint acrossAt(int x, int y)
+/// Of the pixels of a row of a block, the greatest of each and of those beside it.
+void readAcross(int x, int y, out uint across[kOccluderSide])
 {
-    return max(disparityAt(x, y), max(disparityAt(x - 1, y), disparityAt(x + 1, y)));
+    uint before = disparityAt(x - 1, y), here = disparityAt(x, y);
+    for (int i = 0; i < kOccluderSide; ++i) {
+        uint next = disparityAt(x + i + 1, y);
+        across[i] = max(here, max(before, next));
+        before = here;
+        here = next;
+    }
 }
 
-uint leastOf(ivec2 first, ivec2 end)
+uint leastOf(ivec2 first)
 {
     uint least = 0xffffffffu;
-    for (int y = first.y; y < end.y && least > 0u; ++y)
-        for (int x = first.x; x < end.x; ++x) least = min(least, disparityAt(x, y));
+    for (int y = 0; y < kOccluderSide && least > 0u; ++y)
+        for (int x = 0; x < kOccluderSide; ++x) least = min(least, disparityAt(first.x + x, first.y + y));
     return least;
 }
 
-uint leastOfClosed(ivec2 first, ivec2 end)
+uint leastOfClosed(ivec2 first)
 {
     uint least = 0xffffffffu;
-    for (int x = first.x; x < end.x && least > 0u; ++x) {
-        uint above = acrossAt(x, first.y - 1), here = acrossAt(x, first.y);
-        for (int y = first.y; y < end.y; ++y) {
-            uint below = acrossAt(x, y + 1);
-            least = min(least, max(here, max(above, below)));
-            above = here;
-            here = below;
+    uint above[kOccluderSide], here[kOccluderSide], below[kOccluderSide];
+    readAcross(first.x, first.y - 1, above);
+    readAcross(first.x, first.y, here);
+    for (int y = 1; y <= kOccluderSide && least > 0u; ++y) {
+        readAcross(first.x, first.y + y, below);
+        for (int x = 0; x < kOccluderSide; ++x) {
+            least = min(least, max(here[x], max(above[x], below[x])));
+            above[x] = here[x];
+            here[x] = below[x];
         }
     }
     return least;
@@ -49,9 +58,9 @@ void main()
 {
     int across = occludersAlong(constants.width), row = int(gl_WorkGroupID.x);
     for (int column = int(gl_LocalInvocationID.x); column < across; column += int(gl_WorkGroupSize.x)) {
+        int block = row * across + column;
+        if (constants.isAgain != 0 && leastDisparity[block] > 0u) continue;
         ivec2 first = ivec2(column, row) * kOccluderSide;
-        ivec2 end = min(first + kOccluderSide, ivec2(constants.width, constants.height));
-        leastDisparity[row * across + column] =
-            constants.closesGaps != 0 ? leastOfClosed(first, end) : leastOf(first, end);
+        leastDisparity[block] = constants.closesGaps != 0 ? leastOfClosed(first) : leastOf(first);
     }
 }

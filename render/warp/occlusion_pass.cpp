@@ -74,6 +74,7 @@ std::vector<PassedRun> nonePassed(std::span<const DrawRun> batch) {
 void recordWarpInBatches(VkCommandBuffer commands, const OcclusionPass& pass, const WarpPasses& warps,
                          const GpuScene& scene, VkDescriptorSet eyeSet, const EyeTarget& target,
                          std::span<const DrawRun> runs, int width, int height, bool closesGaps) {
+    bool hasLooked = false;
     while (!runs.empty()) {
         const std::span<const DrawRun> now = takeBatch(runs);
         if (now.front().batch == 0 || now.size() > kMostTestedRuns) {
@@ -82,7 +83,8 @@ void recordWarpInBatches(VkCommandBuffer commands, const OcclusionPass& pass, co
         }
         const std::vector<PassedRun> none = nonePassed(now);
         const std::uint32_t tiles = now.back().first + now.back().count - now.front().first;
-        const OccluderConstants occluders{width, height, closesGaps ? 1 : 0};
+        const OccluderConstants occluders{width, height, closesGaps ? 1 : 0, hasLooked ? 1 : 0};
+        hasLooked = true;
         recordPassing(commands, pass, std::span(&eyeSet, 1), occluders, target.passedRuns, none, [&] {
             const VkPipelineLayout layout = pass.cull.layout;
             vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pass.cull.pipeline);

@@ -90,6 +90,7 @@ void recordStereoWarp(VkCommandBuffer commands, const StereoPass& pass, const Oc
                       const GpuScene& scene, const std::array<VkDescriptorSet, kMaxEyes>& eyeSets,
                       const StereoTarget& target, std::size_t slot, std::span<const DrawRun> runs, int width,
                       int height, bool closesGaps) {
+    bool hasLooked = false;
     while (!runs.empty()) {
         const std::span<const DrawRun> now = takeBatch(runs);
         if (now.front().batch == 0) {
@@ -102,7 +103,8 @@ void recordStereoWarp(VkCommandBuffer commands, const StereoPass& pass, const Oc
         }
         const std::vector<PassedRun> none = nonePassed(now);
         const std::uint32_t pairs = now.back().first + now.back().count - now.front().first;
-        const OccluderConstants occluders{width, height, closesGaps ? 1 : 0};
+        const OccluderConstants occluders{width, height, closesGaps ? 1 : 0, hasLooked ? 1 : 0};
+        hasLooked = true;
         recordPassing(commands, occlusion, eyeSets, occluders, target.passedRuns, none, [&] {
             use(commands, pass.test, std::array{eyeSets[0], eyeSets[1], target.sets[slot]});
             const std::uint32_t atOnce = kMaxWorkgroups * pass.testSize;

@@ -87,6 +87,26 @@ class StreamTest : public RenderTest {
 };
 CutScene* StreamTest::rooms_ = nullptr;
 
+TEST_F(StreamTest, EyesThatHardlyMoveAskForNothingNew) {
+    const Quality quality;
+    const scene::View eye = eyeIn(1, 0.5);
+    const auto wantTheSame = [&](const scene::View& other, const Quality& otherwise) {
+        return wantAboutTheSame({{&eye, 1}, quality, {}}, {{&other, 1}, otherwise, {}});
+    };
+    scene::View other = eye;
+    EXPECT_TRUE(wantTheSame(other, quality));
+    other.worldFromEye.translation.x += 0.002;
+    EXPECT_TRUE(wantTheSame(other, quality)) << "a head that is held still";
+    other.worldFromEye.translation.x += 0.05;
+    EXPECT_FALSE(wantTheSame(other, quality)) << "a step";
+    EXPECT_FALSE(wantTheSame(eyeIn(1, 0.52), quality)) << "a turn by a degree";
+    Quality coarser;
+    coarser.samplePixels = 1;
+    EXPECT_FALSE(wantTheSame(eye, coarser));
+    const std::vector<float> shares{1, 0};
+    EXPECT_FALSE(wantAboutTheSame({{&eye, 1}, quality, {}}, {{&eye, 1}, quality, shares}));
+}
+
 TEST_F(StreamTest, WhatStandsForAChunkIsWantedBeforeIt) {
     SceneIndex index(blocks_, 40000);
     index.findFiner();
