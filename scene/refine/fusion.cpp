@@ -93,11 +93,11 @@ DepthImage fuse(ImageStore& images, std::size_t index, const std::vector<Partner
             // case.
             const glm::vec3 fromHere(rayX[static_cast<std::size_t>(x)], rayY[static_cast<std::size_t>(y)], 1.f);
             const glm::vec3 fromPartner = fromHere - d * partnerInCamera;
-            const float cosine = glm::dot(glm::normalize(fromHere), glm::normalize(fromPartner));
+            const float here = glm::dot(fromHere, fromHere), there = glm::dot(fromPartner, fromPartner);
+            const float cosine = glm::dot(fromHere, fromPartner) / std::sqrt(here * there);
             const float angleSquared = 2 * (1 - std::min(cosine, 1.f));
             // Samples taken from nearer are sharper and their range is surer.
-            const float nearness = std::min(1.f, glm::dot(fromHere, fromHere) / glm::dot(fromPartner, fromPartner));
-            const float confidence = nearness * std::exp(-angleSquared * perAngle);
+            const float nearness = std::min(1.f, here / there);
 
             Mean& mean = means(x, y);
             // Where the ray runs along the partner's image plane that intersection says nothing: it is then far off, or
@@ -114,11 +114,12 @@ DepthImage fuse(ImageStore& images, std::size_t index, const std::vector<Partner
                 mean.isColoured = true;
             }
             const glm::vec3 colour = colourAt(partner, at.u, at.v);
-            float weight = confidence;
+            float doubts = angleSquared * perAngle;
             if (isColoured == hasOwnColour(x, y)) { // else there is nothing to compare with
                 const glm::vec3 change = colour - colourOf(image, x, y);
-                weight *= std::exp(-glm::dot(change, change) * perColour);
+                doubts += glm::dot(change, change) * perColour;
             }
+            const float weight = nearness * std::exp(-doubts);
             mean.colour += weight * colour;
             mean.colourWeight += weight;
         });
