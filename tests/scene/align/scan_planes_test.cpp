@@ -27,6 +27,22 @@ TEST(Panorama, EveryDirectionHasItsCell) {
         EXPECT_GT(glm::dot(d, middle), std::cos(0.75 * panorama.stepRadians()));
     }
     EXPECT_FALSE(panorama.placeOf({0, 0, 0}).has_value());
+    EXPECT_FALSE(panorama.placeOf({std::numeric_limits<double>::infinity(), 0, 1}).has_value());
+    for (const double z : {-2.0, 2.0})
+        EXPECT_EQ((*panorama.placeOf({0, 0, z}))[1], z < 0 ? 0 : panorama.height() - 1);
+    // The same cells as by the library's own functions, but for directions right between two.
+    for (int i = 0; i < 200'000; ++i) {
+        const double azimuth = -3.141592653589793 + 6.283185307179586 * std::fmod(i * 0.6180339887498949, 1.0),
+                     elevation = -1.5707963267948966 + 3.141592653589793 * std::fmod(i * 0.7548776662466927, 1.0);
+        const glm::dvec3 d(std::cos(azimuth) * std::cos(elevation), std::sin(azimuth) * std::cos(elevation),
+                           std::sin(elevation));
+        const auto place = panorama.placeOf(3.0 * d);
+        const double x = (azimuth + 3.141592653589793) / panorama.stepRadians(),
+                     y = (elevation + 1.5707963267948966) / panorama.stepRadians();
+        ASSERT_TRUE(place.has_value());
+        ASSERT_LE(std::abs(x - ((*place)[0] + 0.5)), 0.50001) << azimuth << " " << elevation;
+        ASSERT_LE(std::abs(y - ((*place)[1] + 0.5)), 0.50001) << azimuth << " " << elevation;
+    }
 }
 
 TEST(ScanPlanes, WallsOfARoomAreFoundWhereTheyAre) {
