@@ -120,11 +120,11 @@ std::vector<std::uint32_t> chunksWanted(const SceneIndex& index, const CoarserCh
 }
 
 bool wantAboutTheSame(const LookedAt& a, const LookedAt& b) {
-    constexpr double kSameMetres = 0.005, kSameTurn = 0.0087;
+    constexpr double kSameMetres = 0.005, kSameTurnRadians = 0.0087; // a head that is held still
     const auto isSameEye = [&](const scene::View& one, const scene::View& other) {
         const scene::Pose &from = one.worldFromEye, &to = other.worldFromEye;
         return one.camera == other.camera && glm::distance(from.translation, to.translation) <= kSameMetres &&
-               glm::dot(from.rotation[2], to.rotation[2]) >= std::cos(kSameTurn);
+               glm::dot(from.rotation[2], to.rotation[2]) >= std::cos(kSameTurnRadians);
     };
     const Quality &p = a.quality, &q = b.quality;
     return p.samplePixels == q.samplePixels && p.preference.nearBaseline == q.preference.nearBaseline &&

@@ -211,7 +211,8 @@ void TileStream::work() {
         }
         const Wish wish = wish_;
         if (wish.number == 0) continue;
-        if (!wish.isSettling && answered_ > 0 && wantAboutTheSame(wish.looked(), fulfilled_.looked())) continue;
+        if (!wish.isSettling && fulfilled_ && wantAboutTheSame(wish.looked(), fulfilled_->looked())) continue;
+        fulfilled_.reset(); // what it has there may have to leave
         lock.unlock();
         serve(wish);
         lock.lock();

@@ -113,8 +113,8 @@ class TileStream {
     mutable std::mutex mutex_;
     std::condition_variable wished_, served_;
     Wish wish_;
-    std::uint64_t answered_ = 0; ///< number of the last wish that was fulfilled
-    Wish fulfilled_;
+    std::uint64_t answered_ = 0;    ///< number of the last wish that was fulfilled
+    std::optional<Wish> fulfilled_; ///< and nothing was begun for another since
     bool hasNews_ = false, isEnding_ = false;
     std::vector<State> states_;
     std::vector<ChunkPlace> loaded_; ///< where those are that are there

@@ -30,7 +30,9 @@ constexpr int kPanoramaRows = 180;
 /// position of the encoder: 2 mm. And noise has a say in what counts as part of a plane: found 4 to 6 mm too great
 /// where samples leave planes by 15 mm (docs/performance.md).
 constexpr double kSystematicMetres = 0.002, kSystematicOfNoise = 0.3;
-constexpr double kLeastUneven = 0.0001; ///< metres; none at all would be believed too much
+/// Metres; none at all would be believed too much. And of how many patches both faces say how uneven a plane is.
+constexpr double kLeastUneven = 0.0001, kUsuallyUneven = 0.001;
+constexpr int kLeastShared = 10;
 constexpr int kConstants = 4;
 
 using Numbers = std::array<double, kConstants>;
@@ -220,6 +222,7 @@ void measureUnevenness(const ScannerConstants<double>& constants, Sightings& sig
     }
     struct Moments {
         double weight = 0, front = 0, back = 0, product = 0;
+        int patches = 0; ///< that both faces saw
     };
     std::vector<Moments> moments(sightings.planes.size());
     for (std::size_t i = 0; i < sums.size(); ++i) {
@@ -228,13 +231,20 @@ void measureUnevenness(const ScannerConstants<double>& constants, Sightings& sig
         const double weight = 1.0 * front.samples * back.samples / (front.samples + back.samples);
         const double f = front.distance / front.samples, b = back.distance / back.samples;
         Moments& m = moments[sightings.patches[i].plane];
-        m.weight += weight, m.front += weight * f, m.back += weight * b, m.product += weight * f * b;
+        ++m.patches, m.weight += weight, m.front += weight * f, m.back += weight * b, m.product += weight * f * b;
     }
+    std::vector<double> known;
     for (std::size_t k = 0; k < moments.size(); ++k) {
         const Moments& m = moments[k];
-        const double covariance = m.weight > 0 ? m.product / m.weight - m.front * m.back / (m.weight * m.weight) : 0;
+        if (m.patches < kLeastShared) continue;
+        const double covariance = m.product / m.weight - m.front * m.back / (m.weight * m.weight);
         sightings.planes[k].unevenMetres = std::sqrt(std::max(covariance, kLeastUneven * kLeastUneven));
+        known.push_back(sightings.planes[k].unevenMetres);
     }
+    // Of what the faces hardly saw in the same places nothing is known: it is then like the others.
+    const double usual = known.empty() ? kUsuallyUneven : medianOf(known);
+    for (std::size_t k = 0; k < moments.size(); ++k)
+        if (moments[k].patches < kLeastShared) sightings.planes[k].unevenMetres = usual;
 }
 
 /// Of the middle 90 % by size.
@@ -279,7 +289,7 @@ void adjust(Sightings& sightings, Numbers& constants) {
                                  loss, constants.data(), plane.reciprocal.data(), &patch.offMetres);
     }
     ceres::Solver::Options options;
-    options.linear_solver_type = ceres::DENSE_SCHUR;
+    options.linear_solver_type = ceres::SPARSE_SCHUR;
     options.linear_solver_ordering.reset(order);
     options.max_num_iterations = 30;
     options.function_tolerance = 1e-9;

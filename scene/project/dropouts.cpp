@@ -117,7 +117,7 @@ void removeHanging(const DepthImage& image, Image<float>& filled) {
             const auto isSurfaceAt = [&](int k) {
                 if (k < 0 || k >= length) return false;
                 const auto [x, y] = place(i, k);
-                return isSurface(image.flags(x, y));
+                return isSurface(image.flags(x, y)) && image.disparity(x, y) > 0;
             };
             const auto isFilled = [&](int k) {
                 const auto [x, y] = place(i, k);
@@ -137,10 +137,17 @@ void removeHanging(const DepthImage& image, Image<float>& filled) {
             }
         });
     };
-    markRuns(height, width, alongRow, [](int y, int x) { return std::array{x, y}; });
-    markRuns(width, height, alongColumn, [](int x, int y) { return std::array{x, y}; });
-    for (std::size_t i = 0; i < filled.size(); ++i)
-        if (alongRow.pixels()[i] + alongColumn.pixels()[i] < kJoinsBoth) filled.pixels()[i] = 0;
+    // What goes may have been what joined another.
+    for (bool isDone = false; !isDone;) {
+        std::ranges::fill(alongRow.pixels(), std::uint8_t{0});
+        std::ranges::fill(alongColumn.pixels(), std::uint8_t{0});
+        markRuns(height, width, alongRow, [](int y, int x) { return std::array{x, y}; });
+        markRuns(width, height, alongColumn, [](int x, int y) { return std::array{x, y}; });
+        isDone = true;
+        for (std::size_t i = 0; i < filled.size(); ++i)
+            if (filled.pixels()[i] > 0 && alongRow.pixels()[i] + alongColumn.pixels()[i] < kJoinsBoth)
+                filled.pixels()[i] = 0, isDone = false;
+    }
 }
 
 /// Puts new disparities (those over 0) into the image, their flags set by `flag`. Returns how many.

@@ -2,13 +2,15 @@
 // Small drop-outs of range inside a surface are filled from the samples around them, never across a silhouette.
 // Nyland et al. 1999, section 4.3: samples are splatted with bilinear support into lists for each pixel, each list is
 // clustered, and the heaviest cluster gives the pixel its range; the size of the splat says which drop-outs are filled.
+// Unlike there, a gap wider than that is not filled in its middle, where both its rims are in reach: it may be a dark
+// pole before a wall.
 
 #include "scene/depth_image.h"
 
 namespace scene {
 
 struct DropoutOptions {
-    int radius = 3;            ///< support of a sample in pixels: drop-outs up to twice as wide are filled
+    int radius = 3;            ///< support of a sample in pixels: drop-outs as wide are filled
     float sameSurface = 0.03f; ///< relative difference of disparity within a cluster
     int minSamples = 3;        ///< a cluster of fewer samples fills nothing
 };

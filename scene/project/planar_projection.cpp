@@ -34,9 +34,10 @@ constexpr int kMostSupport = 64;    ///< pixels; a camera far finer than the sca
 std::vector<std::uint8_t> findAveraged(const Scan& scan, const ScanGrid& grid) {
     const int width = grid.pointOfCell.width(), height = grid.pointOfCell.height();
     const double noiseMetres = rangeNoiseOf(scan);
+    const auto isInGrid = [&](int x, int y) { return (grid.closes || (x >= 0 && x < width)) && y >= 0 && y < height; };
     const auto disparityAt = [&](int x, int y) {
         if (grid.closes) x = (x + width) % width;
-        if (x < 0 || y < 0 || x >= width || y >= height || grid.pointOfCell(x, y) < 0) return 0.0;
+        if (!isInGrid(x, y) || grid.pointOfCell(x, y) < 0) return 0.0;
         return 1.0 / glm::length(scan.pointsInScanner[static_cast<std::size_t>(grid.pointOfCell(x, y))]);
     };
     // Where the surface at x, y would be one step farther on; beyond a silhouette there is no slope to be had, and two
@@ -74,12 +75,14 @@ std::vector<std::uint8_t> findAveraged(const Scan& scan, const ScanGrid& grid) {
     // along the rim to neither side.
     const auto hangsBehind = [&](int x, int y, int dx, int dy) {
         const double here = disparityAt(x, y);
-        if (disparityAt(x - dx, y - dy) > 0 || !(disparityAt(x + dx, y + dy) > 0)) return false;
+        if (!isInGrid(x - dx, y - dy) || disparityAt(x - dx, y - dy) > 0 || !(disparityAt(x + dx, y + dy) > 0))
+            return false;
         const double least = leastOff(here);
         if (carriedOn(x + dx, y + dy, -dx, -dy) - here <= std::max(least, kFarBack * here)) return false;
         for (const int side : {-1, 1}) {
-            const double beside = disparityAt(x + side * dy, y + side * dx);
-            if (beside > 0 && std::abs(beside - here) <= least) return false;
+            const int u = x + side * dy, v = y + side * dx;
+            if (disparityAt(u, v) > 0 && std::abs(carriedOn(u, v, -side * dy, -side * dx) - here) <= least)
+                return false;
         }
         return true;
     };

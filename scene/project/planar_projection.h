@@ -14,9 +14,9 @@
 // near by takes no range, so that silhouettes before the sky do not grow by the width of the support. And where a
 // silhouette runs along the scan's rows or columns, a whole line of samples is averaged alike and would be the heaviest
 // cluster of the pixels along it: the scan's grid says which samples belong to neither of their neighbours and lie
-// between them. Among leaves and rails a few samples agree by chance: where there are five about a pixel, two are
-// no surface, nor are three or four between others before and behind, unless all of them lie on one plane, as on a far
-// floor.
+// between them, or behind the one where the other gave no echo. Among leaves and rails a few samples agree by chance:
+// where there are five about a pixel, two are no surface, nor are three or four between others before and behind,
+// unless all of them lie on one plane, as on a far floor.
 
 #include "scene/depth_image.h"
 #include "scene/project/cube_layout.h"

@@ -39,10 +39,11 @@ double psnrOf(const EyeImage& a, const EyeImage& b) {
 TEST_F(AdaptiveTest, ShowsWhatTheMeshShows) {
     const CutScene room = cutInLevels({roomFromThreePlaces()[0]});
     const GpuScene scene(testDevice(), room.blocks());
+    Painter paint(scene, cameraOf(320, 240, 1.3));
     for (const double x : {-0.2, 0.0, 0.3}) {
         const scene::View eye{cameraOf(320, 240, 1.3), poseAt({x, 0.02, 0.15}, 0.3 * x, 0.1)};
-        const EyeImage mesh = drawOnce(scene, eye, qualityOf(Warp::mesh));
-        const EyeImage adaptive = drawOnce(scene, eye, qualityOf(Warp::adaptive));
+        const EyeImage mesh = paint(eye, qualityOf(Warp::mesh));
+        const EyeImage adaptive = paint(eye, qualityOf(Warp::adaptive));
         EXPECT_GE(psnrOf(mesh, adaptive), 34) << "eye at " << x;
         EXPECT_GE(coverage(adaptive), coverage(mesh) - 0.002) << "eye at " << x;
     }
@@ -141,11 +142,12 @@ TEST_F(AdaptiveTest, NoHoleOpensBetweenLevels) {
     const CutScene wall = cutInLevels({takePlane(camera, {0.2, 0.1, 1}, 2)});
     const GpuScene scene(testDevice(), wall.blocks());
     const scene::Camera eyeCamera = cameraOf(256, 192, 1.2);
+    Painter paint(scene, eyeCamera);
     for (const Warp warp : {Warp::points, Warp::adaptive})
         for (double back = 0; back < 14; back += 0.37) {
             const scene::View eye{eyeCamera, poseAt({0, 0, -back}, 0, 0)};
             const double share = 0.8 * 2 / (2 + 1.3 * back);
-            EXPECT_EQ(holesIn(drawOnce(scene, eye, qualityOf(warp, 1)), share), 0)
+            EXPECT_EQ(holesIn(paint(eye, qualityOf(warp, 1)), share), 0)
                 << back << " m back, warp " << static_cast<int>(warp);
         }
 }

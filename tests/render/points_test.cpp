@@ -42,14 +42,14 @@ TEST_F(PointsTest, AgreeWithTheReference) {
     const GpuScene scene(testDevice(), blocks);
     std::mt19937 random(31);
     std::uniform_real_distribution<double> unit(-1, 1);
+    Painter paint(scene, eyeAt({}, 0, 0).camera);
     for (int i = 0; i < 6; ++i)
         for (const int maxFootprint : {1, 4}) {
             const scene::View view =
                 eyeAt({unit(random), 0.5 * unit(random), unit(random)}, 3 * unit(random), 0.5 * unit(random));
             Quality quality;
             quality.maxFootprint = maxFootprint;
-            const Agreement agreement =
-                compare(drawOnce(scene, view, quality), referencePoints(blocks, view, maxFootprint));
+            const Agreement agreement = compare(paint(view, quality), referencePoints(blocks, view, maxFootprint));
             EXPECT_GE(agreement.coverage, 0.999) << "view " << i << " footprint " << maxFootprint;
             EXPECT_GE(agreement.colour, 0.999) << "view " << i << " footprint " << maxFootprint;
             EXPECT_GE(agreement.depth, 0.999) << "view " << i << " footprint " << maxFootprint;
@@ -103,6 +103,7 @@ TEST_F(PointsTest, NoHolesOpenInATurnedPlane) {
     const GpuScene scene(testDevice(), plane.blocks());
     std::mt19937 random(51);
     std::uniform_real_distribution<double> unit(-1, 1);
+    Painter paint(scene, cameraOf(120, 120, 1.0));
     for (int i = 0; i < 20; ++i) {
         const double roll = 3 * unit(random);
         const glm::dmat3 rolled(glm::dvec3(std::cos(roll), std::sin(roll), 0),
@@ -110,7 +111,7 @@ TEST_F(PointsTest, NoHolesOpenInATurnedPlane) {
         const scene::View view{
             cameraOf(120, 120, 1.0),
             {poseAt({}, 0.2 * unit(random), 0.2 * unit(random)).rotation * rolled, {0, 0, 0.5 * unit(random)}}};
-        EXPECT_EQ(coverage(drawOnce(scene, view, {.maxFootprint = 8})), 1.0) << i;
+        EXPECT_EQ(coverage(paint(view, {.maxFootprint = 8})), 1.0) << i;
     }
 }
 

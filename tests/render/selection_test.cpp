@@ -35,8 +35,9 @@ TEST_F(SelectionTest, AnImageOfWhichNothingIsDrawnIsNotThere) {
     all.showOnly({shares, shares});
     cut.images.pop_back(), cut.sets.pop_back();
     const GpuScene two(testDevice(), cut.blocks());
+    Painter paintAll(all, eye_.camera), paintTwo(two, eye_.camera);
     for (const Way& way : ways()) {
-        const EyeImage left = drawOnce(all, eye_, way.quality), without = drawOnce(two, eye_, way.quality);
+        const EyeImage left = paintAll(eye_, way.quality), without = paintTwo(eye_, way.quality);
         // What one image may add to a blended pixel hangs on how many there are, by a rounding.
         if (way.quality.isBlended)
             EXPECT_GE(psnrOf(left, without), 50) << way.name;
@@ -64,6 +65,7 @@ CutScene thinned(CutScene cut, float share) {
 TEST_F(SelectionTest, OfAShareTheSamplesThatTheHashNamesAreDrawn) {
     const CutScene whole = cut(roomFromThreePlaces());
     GpuScene scene(testDevice(), whole.blocks());
+    Painter paint(scene, eye_.camera);
     std::size_t before = 0;
     for (const float share : {0.1f, 0.5f, 0.9f}) {
         const CutScene thin = thinned(whole, share);
@@ -75,9 +77,9 @@ TEST_F(SelectionTest, OfAShareTheSamplesThatTheHashNamesAreDrawn) {
         const GpuScene byHand(testDevice(), thin.blocks());
         const std::vector<float> shares{1, 1, share};
         scene.showOnly({shares, shares});
+        Painter paintByHand(byHand, eye_.camera);
         for (const Warp warp : {Warp::points, Warp::splats})
-            EXPECT_TRUE(isSame(drawOnce(scene, eye_, qualityOf(warp)), drawOnce(byHand, eye_, qualityOf(warp))))
-                << share;
+            EXPECT_TRUE(isSame(paint(eye_, qualityOf(warp)), paintByHand(eye_, qualityOf(warp)))) << share;
     }
 }
 
@@ -93,13 +95,14 @@ TEST_F(SelectionTest, WhatComesInComesLittleByLittle) {
     constexpr int kSteps = 16;
     const CutScene cut = cutInLevels(roomFromThreePlaces());
     GpuScene scene(testDevice(), cut.blocks());
+    Painter paint(scene, eye_.camera);
     for (const Warp warp : {Warp::points, Warp::mesh, Warp::adaptive, Warp::splats}) {
         const Quality quality = qualityOf(warp);
         std::vector<EyeImage> pictures;
         for (int i = 0; i <= kSteps; ++i) {
             const std::vector<float> shares{1, 1, static_cast<float>(i) / kSteps};
             scene.showOnly({shares, shares});
-            pictures.push_back(drawOnce(scene, eye_, quality));
+            pictures.push_back(paint(eye_, quality));
         }
         const int all = pixelsThatDiffer(pictures.front(), pictures.back());
         EXPECT_GT(all, 1000);

@@ -67,6 +67,7 @@ TEST_F(SplatsTest, PicturesAreThoseOfTheProcessor) {
     const CutScene room = roomInAllTiers();
     const auto blocks = room.blocks();
     const GpuScene scene(testDevice(), blocks);
+    Painter paint(scene, cameraOf(220, 160, 0.9));
     for (const auto& [nearBaseline, areaLevels] : {std::pair{0.f, 0.f}, {0.2f, 0.f}, {0.2f, 3.f}, {0.f, 3.f}})
         for (const double x : {-0.2, 0.1, 0.3}) {
             const scene::View eye{cameraOf(220, 160, 0.9), poseAt({x, 0.02, 0.6}, 0.3 * x, 0.1)};
@@ -77,7 +78,7 @@ TEST_F(SplatsTest, PicturesAreThoseOfTheProcessor) {
             scene::ZBuffer zBuffer(eye.camera.width, eye.camera.height, 0);
             scene::warpSplats(blocks, eye, options, zBuffer);
             const scene::EyeImage truth = scene::resolve(zBuffer);
-            const EyeImage drawn = drawOnce(scene, eye, quality);
+            const EyeImage drawn = paint(eye, quality);
             int different = 0;
             double worstDepth = 0;
             for (std::size_t i = 0; i < drawn.colour.size(); ++i) {
@@ -109,6 +110,7 @@ TEST_F(SplatsTest, NoHolesOpenInAPlane) {
     const GpuScene scene(testDevice(), plane.blocks());
     std::mt19937 random(51);
     std::uniform_real_distribution<double> unit(-1, 1);
+    Painter paint(scene, cameraOf(120, 120, 1.0));
     double leastCoverage = 1;
     for (int i = 0; i < 20; ++i) {
         const double roll = 3 * unit(random);
@@ -117,9 +119,9 @@ TEST_F(SplatsTest, NoHolesOpenInAPlane) {
         const scene::View view{
             cameraOf(120, 120, i % 2 == 0 ? 1.0 : 0.5),
             {poseAt({}, 0.1 * unit(random), 0.1 * unit(random)).rotation * rolled, {0, 0, 0.5 * unit(random)}}};
-        EXPECT_EQ(coverage(drawOnce(scene, view, {.warp = Warp::splats, .maxSplat = 16, .splatScale = 1.1})), 1.0) << i;
-        leastCoverage = std::min(
-            leastCoverage, coverage(drawOnce(scene, view, {.warp = Warp::splats, .maxSplat = 1, .splatScale = 0.1})));
+        EXPECT_EQ(coverage(paint(view, {.warp = Warp::splats, .maxSplat = 16, .splatScale = 1.1})), 1.0) << i;
+        leastCoverage =
+            std::min(leastCoverage, coverage(paint(view, {.warp = Warp::splats, .maxSplat = 1, .splatScale = 0.1})));
     }
     EXPECT_LT(leastCoverage, 0.9) << "what smaller splats leave open";
 }

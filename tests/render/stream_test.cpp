@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <random>
 #include <set>
 
@@ -103,6 +104,11 @@ TEST_F(StreamTest, EyesThatHardlyMoveAskForNothingNew) {
     Quality coarser;
     coarser.samplePixels = 1;
     EXPECT_FALSE(wantTheSame(eye, coarser));
+    other = eye;
+    other.camera.fx *= 2;
+    EXPECT_FALSE(wantTheSame(other, quality));
+    const std::array<scene::View, 2> both{eye, eye};
+    EXPECT_FALSE(wantAboutTheSame({{&eye, 1}, quality, {}}, {both, quality, {}}));
     const std::vector<float> shares{1, 0};
     EXPECT_FALSE(wantAboutTheSame({{&eye, 1}, quality, {}}, {{&eye, 1}, quality, shares}));
 }
@@ -161,6 +167,7 @@ TEST_F(StreamTest, WhereAllThatIsSeenFitsItShowsWhatTheWholeSceneShows) {
     for (const bool isStaged : {false, true}) {
         GpuScene part(testDevice(), blocks_, {.budgetBytes = 3 * allBytes() / 4, .isStaged = isStaged});
         ASSERT_TRUE(part.isStreamed());
+        Painter paintPart(part, kEye), paintWhole(whole, kEye);
         EXPECT_LT(part.bytesResident(), whole.bytesResident());
         for (const Warp warp : {Warp::points, Warp::mesh, Warp::adaptive, Warp::splats})
             for (const double samplePixels : {0.0, 1.5})
@@ -170,7 +177,7 @@ TEST_F(StreamTest, WhereAllThatIsSeenFitsItShowsWhatTheWholeSceneShows) {
                     quality.warp = warp, quality.samplePixels = samplePixels;
                     part.settle({&eye, 1}, quality);
                     // The walls of one's own room hide all others.
-                    EXPECT_TRUE(isSame(drawOnce(part, eye, quality), drawOnce(whole, eye, quality)))
+                    EXPECT_TRUE(isSame(paintPart(eye, quality), paintWhole(eye, quality)))
                         << room << " staged " << isStaged << " sample_pixels " << samplePixels;
                 }
         EXPECT_GT(part.streamCounts().left, 0u) << "rooms have come and gone";
@@ -233,6 +240,29 @@ TEST_F(StreamTest, AfterASettledPictureAllThatIsThereIsShownAgain) {
         EXPECT_LT(there(), settled) << "little is wanted so";
         part.follow({&next, 1}, near);
         EXPECT_GE(there(), settled) << "but nothing had to go";
+    }
+}
+
+// Eyes that come back to where all was there want it again: some of it had to leave meanwhile.
+TEST_F(StreamTest, WhatHadToLeaveForAGlanceAsideComesBack) {
+    const scene::View here = eyeIn(0, 0), aside = eyeIn(3, 0);
+    for (const bool isStaged : {false, true}) {
+        GpuScene part(testDevice(), blocks_, {.budgetBytes = allBytes() / 2, .isStaged = isStaged});
+        part.settle({&here, 1}, {});
+        std::vector<std::size_t> wanted;
+        for (std::size_t i = 0; i < part.places().size(); ++i)
+            if (part.places()[i].isThere()) wanted.push_back(i);
+        const auto goOn = [&](const scene::View& eye, const auto& isDone) {
+            const auto patience = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+            while (!isDone() && std::chrono::steady_clock::now() < patience)
+                part.follow({&eye, 1}, {});
+            return isDone();
+        };
+        const auto areThere = [&] {
+            return std::ranges::all_of(wanted, [&](std::size_t i) { return part.places()[i].isThere(); });
+        };
+        ASSERT_TRUE(goOn(aside, [&] { return !areThere(); }));
+        EXPECT_TRUE(goOn(here, areThere)) << "staged " << isStaged;
     }
 }
 

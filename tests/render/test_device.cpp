@@ -53,6 +53,14 @@ EyeImage drawOnce(const GpuScene& scene, const scene::View& view, const Quality&
     return drawOnce(scene, std::span(&view, 1), quality)[0];
 }
 
+Painter::Painter(const GpuScene& scene, const scene::Camera& camera)
+    : renderer_(testDevice(), scene, camera.width, camera.height, 1) {}
+
+EyeImage Painter::operator()(const scene::View& view, const Quality& quality) {
+    renderer_.draw({&view, 1}, quality);
+    return renderer_.readBack()[0];
+}
+
 bool isSame(const EyeImage& a, const EyeImage& b) {
     return a.colour == b.colour && a.pixelClass == b.pixelClass && a.depthMetres == b.depthMetres;
 }

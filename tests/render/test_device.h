@@ -27,6 +27,18 @@ class RenderTest : public testing::Test {
 std::vector<EyeImage> drawOnce(const GpuScene& scene, std::span<const scene::View> views, const Quality& quality);
 EyeImage drawOnce(const GpuScene& scene, const scene::View& view, const Quality& quality);
 
+/// Draws pictures of one scene and size, one after another: a renderer is dear to make where its shaders are compiled
+/// for the processor.
+class Painter {
+  public:
+    /// The scene must outlive it.
+    Painter(const GpuScene& scene, const scene::Camera& camera);
+    EyeImage operator()(const scene::View& view, const Quality& quality);
+
+  private:
+    Renderer renderer_;
+};
+
 /// Same bytes in colour, depth and class.
 bool isSame(const EyeImage& a, const EyeImage& b);
 

@@ -145,7 +145,7 @@ TEST(Guesses, FollowTheColourToTheRightSurface) {
     EXPECT_EQ(guessRange(image, never), 0);
 }
 
-// A dark pole before a wall is as wide as it is long drop-outs: filled whole or not at all.
+// It may be a dark pole before a wall: a gap is filled whole or not at all.
 TEST(Dropouts, OfAGapWiderThanTheSupportAreNotFilledInItsMiddle) {
     const Camera camera = smallCamera();
     for (const bool upright : {true, false})
