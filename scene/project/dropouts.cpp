@@ -109,7 +109,7 @@ float planeAtCentre(std::span<const Neighbour> members) {
 /// of each, without a break.
 void removeHanging(const DepthImage& image, Image<float>& filled) {
     const int width = filled.width(), height = filled.height();
-    constexpr std::uint8_t kJoins = 1, kJoinsBoth = 2;
+    constexpr int kJoinsEnough = 2;
     Image<std::uint8_t> alongRow(width, height, std::uint8_t{0}), alongColumn = alongRow;
     // place(i, k): the pixel at k of line i.
     const auto markRuns = [&](int lines, int length, Image<std::uint8_t>& joins, auto place) {
@@ -132,7 +132,7 @@ void removeHanging(const DepthImage& image, Image<float>& filled) {
                 if (first == 0 || end == length) ends *= 2; // beyond the image it may go on
                 for (; first < end; ++first) {
                     const auto [x, y] = place(i, first);
-                    joins(x, y) = ends == 2 ? kJoinsBoth : ends == 1 ? kJoins : std::uint8_t{0};
+                    joins(x, y) = static_cast<std::uint8_t>(ends);
                 }
             }
         });
@@ -145,7 +145,7 @@ void removeHanging(const DepthImage& image, Image<float>& filled) {
         markRuns(width, height, alongColumn, [](int x, int y) { return std::array{x, y}; });
         isDone = true;
         for (std::size_t i = 0; i < filled.size(); ++i)
-            if (filled.pixels()[i] > 0 && alongRow.pixels()[i] + alongColumn.pixels()[i] < kJoinsBoth)
+            if (filled.pixels()[i] > 0 && alongRow.pixels()[i] + alongColumn.pixels()[i] < kJoinsEnough)
                 filled.pixels()[i] = 0, isDone = false;
     }
 }
