@@ -28,8 +28,9 @@ struct ColourToRangeOptions {
     double leastAgreeing = 0.6;      ///< share of the picture's parts that must like the turn;
     double leastAgreeingAlone = 0.3; ///< the same where no other turn scores more than mostRivalShareAlone
     double mostRivalShareAlone = 0.55;
-    int leastParts = 5;                  ///< so many parts must have edges to say something
-    double mostDeviationRadians = 0.001; ///< an edge of a scan lies anywhere between two samples: half of their spacing
+    int leastParts = 5;                     ///< so many parts must have edges to say something
+    double leastDeviationRadians = 0.00014; ///< of each axis: what edges of a scan leave open, however many there are
+    double mostDeviationRadians = 0.0006;   ///< of what is believed, all axes together
 };
 
 /// What was found of one photograph.

@@ -9,7 +9,7 @@
 #include <optional>
 #include <utility>
 
-#include <Eigen/Core>
+#include <Eigen/Dense>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 #include <tbb/parallel_for.h>
@@ -24,8 +24,11 @@ constexpr double kSamePlaceMetres = 0.003; ///< from farther apart near things w
 constexpr double kInside = 0.04;           ///< of the neighbour's width: edges so near to its rim are left out
 constexpr int kLeastRays = 150;            ///< that two photographs must share to be searched for each other
 constexpr std::size_t kMostTops = 4;       ///< of that search, which are looked at closely
-/// What deviations never fall below: lenses that are not quite known, and edges that light draws.
-constexpr double kLeastOwn = 0.004 * kDegree, kLeastPair = 0.002 * kDegree;
+/// What deviations of pairs never fall below: lenses that are not quite known, and edges that light draws.
+constexpr double kLeastPair = 0.003 * kDegree;
+/// Times what the jackknife says, of a photograph that the scan says too little of.
+constexpr double kUnsureOwn = 2;
+constexpr double kMostPairDeviation = 0.0015;                           ///< radians
 constexpr int kEdgeColumns = 16, kEdgeRows = 12, kMostEdgesInPart = 30; ///< that are searched for in another
 /// Of greys: of a pair that is believed, of its parts; that a second top may have of the first one's.
 constexpr double kLeastCorrelation = 0.5, kLeastAgreeing = 0.7, kMostRivalShare = 0.8;
@@ -101,9 +104,16 @@ std::vector<Turn> searched(const SmallPhotograph& a, const SmallPhotograph& b, c
     return tops;
 }
 
-bool isBelieved(const NeighbourTurn& found, const ColourToRangeOptions& options) {
-    return found.correlation >= kLeastCorrelation && found.parts >= kLeastParts && found.agreeing >= kLeastAgreeing &&
-           std::sqrt(found.covariance.trace()) <= options.mostDeviationRadians;
+enum class Laid { not_at_all, partly, wholly };
+
+/// Partly: about one axis nothing holds it, as where all edges that both see run one way.
+Laid howLaid(const NeighbourTurn& found) {
+    if (found.correlation < kLeastCorrelation || found.parts < kLeastParts || found.agreeing < kLeastAgreeing)
+        return Laid::not_at_all;
+    const auto isExact = [](double variance) { return std::sqrt(variance) <= kMostPairDeviation; };
+    if (isExact(found.covariance.trace())) return Laid::wholly;
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(found.covariance, Eigen::EigenvaluesOnly);
+    return isExact(solver.eigenvalues()[0] + solver.eigenvalues()[1]) ? Laid::partly : Laid::not_at_all;
 }
 
 bool doOverlap(const Camera& a, const Camera& b, const glm::dmat3& bFromA) {
@@ -124,6 +134,7 @@ struct Pair {
     std::size_t a = 0, b = 0;
     glm::dmat3 bFromA{1.0};
     Eigen::Matrix3d covariance; ///< of a further turn about b's axes
+    bool isWhole = false;       ///< known about all axes
     bool isPlain = false;       ///< so sure that it needs no other to agree
 };
 
@@ -191,7 +202,7 @@ class Neighbours {
         for (const Pair& pair : pairs_) {
             const glm::dmat3 bFromA = between(pair.a, pair.b);
             turns.push_back({pair.a, pair.b, eigenOf(bFromA), turnOf(pair.bFromA * glm::transpose(bFromA)),
-                             pair.covariance, pair.isPlain});
+                             pair.covariance, pair.isPlain, pair.isWhole});
         }
         return turns;
     }
@@ -214,7 +225,8 @@ class Neighbours {
         const GreyLevels greysA = greyLevels(from), greysB = greyLevels(to);
         std::optional<NeighbourTurn> best;
         if (isPlaced_[a] && isPlaced_[b]) best = layOnNeighbour(greysA, greysB, bFromA, Turn::Zero());
-        if (!isSearched && (!best || !isBelieved(*best, options_))) {
+        const bool isNear = best && howLaid(*best) != Laid::not_at_all;
+        if (!isSearched && !isNear) {
             // One of the two may stand elsewhere.
             best.reset();
             double second = 0;
@@ -226,11 +238,14 @@ class Neighbours {
             }
             if (best && second > kMostRivalShare * best->correlation) best.reset();
         }
-        if (!best || !isBelieved(*best, options_)) return std::nullopt;
-        Pair pair{a, b, matrixOf(best->turn) * bFromA, best->covariance, false};
+        const Laid laid = best ? howLaid(*best) : Laid::not_at_all;
+        // What is partly laid says nothing of where else it might stand.
+        if (laid == Laid::not_at_all || (laid == Laid::partly && !isNear)) return std::nullopt;
+        Pair pair{a, b, matrixOf(best->turn) * bFromA, best->covariance};
         pair.covariance += kLeastPair * kLeastPair * Eigen::Matrix3d::Identity();
-        pair.isPlain =
-            best->correlation >= kPlainCorrelation && best->parts >= kPlainParts && best->agreeing >= kPlainAgreeing;
+        pair.isWhole = laid == Laid::wholly;
+        pair.isPlain = pair.isWhole && best->correlation >= kPlainCorrelation && best->parts >= kPlainParts &&
+                       best->agreeing >= kPlainAgreeing;
         return pair;
     }
 
@@ -240,7 +255,9 @@ class Neighbours {
         for (std::size_t i = 0; i < isPlaced.size(); ++i) {
             const Pair* surest = nullptr;
             for (const Pair& pair : pairs_) {
-                if (isPlaced_[i] || (pair.a != i && pair.b != i) || !isPlaced_[pair.a == i ? pair.b : pair.a]) continue;
+                if (isPlaced_[i] || !pair.isWhole || (pair.a != i && pair.b != i) ||
+                    !isPlaced_[pair.a == i ? pair.b : pair.a])
+                    continue;
                 if (!surest || pair.covariance.trace() < surest->covariance.trace()) surest = &pair;
             }
             if (!surest) continue;
@@ -257,6 +274,12 @@ class Neighbours {
     std::vector<Open> open_; ///< not compared yet
     std::vector<Pair> pairs_;
 };
+
+OwnTurn ownOf(std::size_t photograph, const ColourFit& fit, const ColourToRangeOptions& options) {
+    const double scale = fit.isSure ? 1 : kUnsureOwn, least = options.leastDeviationRadians;
+    return {photograph, scale * scale * eigenOf(fit.covariance) + least * least * Eigen::Matrix3d::Identity(),
+            fit.isSure};
+}
 
 /// What the network says of a photograph. givenFromPlaced: as it was placed, before the network's turn.
 void settle(ColourFit& fit, const TurnNetwork& network, std::size_t i, const glm::dmat3& givenFromPlaced,
@@ -303,8 +326,7 @@ void joinTurns(std::span<const PhotographOnScan> photographs, std::vector<Colour
         std::vector<OwnTurn> own;
         for (std::size_t i = 0; i < photographs.size(); ++i)
             if (fits[i].isFound && std::find(contradicted.begin(), contradicted.end(), i) == contradicted.end())
-                own.push_back({i, eigenOf(fits[i].covariance) + kLeastOwn * kLeastOwn * Eigen::Matrix3d::Identity(),
-                               fits[i].isSure});
+                own.push_back(ownOf(i, fits[i], options));
         TurnNetwork network(photographs.size(), std::move(own), neighbours.turns(), contradicted);
         network.solve();
         return network;

@@ -18,7 +18,7 @@ namespace {
 constexpr std::array kSigmas{16, 8, 4, 2, 1}; ///< pixels
 /// From this one on levels say where exactly. Broader ones show how surfaces are lit, too, and that looks elsewhere to
 /// another lens or another exposure.
-constexpr std::size_t kFirstFine = 2;
+constexpr std::size_t kFirstFine = 1;
 constexpr double kBroad = 2;                  ///< times a level's sigma: what is taken off
 constexpr double kRim = 0.02, kRimSigmas = 2; ///< of the width; of the broad blur. What lies beyond a rim is made up
 constexpr double kLeastShared = 0.02;         ///< of the picture
@@ -27,20 +27,41 @@ constexpr int kSteps = 8;                     ///< at most, with each further le
 constexpr double kStill = 0.01;               ///< of the finest pixel: it moves no more
 constexpr int kLeastPixels = 30;              ///< of a part on a level
 constexpr double kLeastCorrelation = 0.1;     ///< of a part on a level that has any say
-constexpr double kMuch = 0.4;                 ///< correlation of a part that agrees
-constexpr double kOutlier = 3;                ///< times the usual residual: things that moved
+/// Of the slopes along a direction, what both pictures must have in common for it to be held.
+constexpr double kLeastCommonSlope = 0.1;
+constexpr double kByChance = 4;  ///< over the root of how many pixels: noise has so much in common, being blurred
+constexpr double kOpen = 0.0175; ///< radians: what is not held may be anywhere within what is looked through
+/// Deviations over those of the jackknife, whose parts are few and unlike: over 1200 pairs of simulated photographs
+/// residuals are then as great as is said.
+constexpr double kFewParts = 1.5;
+constexpr double kMuch = 0.4;  ///< correlation of a part that agrees
+constexpr double kOutlier = 3; ///< times the usual residual: things that moved
 
-/// What a part of a level says at a turn, of the residual b - scale * a.
+/// How b's grey changes with the turn, so a's; and the residual b - scale * a. b's noise has slopes, too, that hold a
+/// turn where it is, and are not to be told from edges by one picture. But a's noise is another: what the slopes of
+/// both have in common is of what both see (instrumental variables: Reiersol, "Confluence analysis by means of
+/// instrumental sets of variables", 1945, with a's slopes as instruments).
+struct SlopeSums {
+    Eigen::Matrix3d common = Eigen::Matrix3d::Zero();   ///< of a's slopes with b's
+    Eigen::Matrix3d separate = Eigen::Matrix3d::Zero(); ///< of each with itself, the mean of both
+    Eigen::Vector3d slope = Eigen::Vector3d::Zero();    ///< of a's slopes with the residual
+    int count = 0;                                      ///< pixels
+
+    void add(const SlopeSums& other, double weight) {
+        common += weight * other.common, separate += weight * other.separate, slope += weight * other.slope;
+        if (weight != 0) count += other.count;
+    }
+};
+
+/// What a part of a level says at a turn.
 struct Sums {
-    Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
-    Eigen::Vector3d slope = Eigen::Vector3d::Zero();
+    SlopeSums slopes;
     double aa = 0, ab = 0, bb = 0, squares = 0;
-    int count = 0;
 
     double correlation() const { return aa > 0 && bb > 0 ? ab / std::sqrt(aa * bb) : 0; }
     double weight() const {
         const double common = correlation() - kLeastCorrelation;
-        return count >= kLeastPixels && common > 0 && squares > 0 ? common * common * count / squares : 0;
+        return slopes.count >= kLeastPixels && common > 0 && squares > 0 ? common * common * slopes.count / squares : 0;
     }
 };
 
@@ -81,12 +102,24 @@ void forShared(const GreyLevels& a, const GreyLevels& b, std::size_t level, cons
         }
 }
 
+/// How the grey along a ray changes with a turn about the camera's axes; du, dv: with the place in a level's picture.
+/// The turn moves the ray by turn x ray, and that its place.
+Eigen::Vector3d slopeOf(const Camera& camera, double per, const glm::dvec3& ray, double du, double dv) {
+    const double kx = camera.fx * per / ray.z * du, ky = camera.fy * per / ray.z * dv;
+    const double kz = -(kx * ray.x + ky * ray.y) / ray.z;
+    return {ray.y * kz - ray.z * ky, ray.z * kx - ray.x * kz, ray.x * ky - ray.y * kx};
+}
+
 /// scale: of a against b. usual: of residuals, as they were before; none yet if it is zero.
 LevelSums sumsOf(const GreyLevels& a, const GreyLevels& b, std::size_t level, const glm::dmat3& bFromA, const Box& box,
                  double scale, double usual) {
     LevelSums parts;
     const Image<float>&from = a.levels[level].grey, &to = b.levels[level].grey;
     const double per = 1.0 / b.levels[level].pixelsPerPixel;
+    const glm::dmat3 aFromB = glm::transpose(bFromA);
+    Eigen::Matrix3d toB;
+    for (int i = 0; i < 9; ++i)
+        toB(i % 3, i / 3) = bFromA[i / 3][i % 3];
     forShared(a, b, level, bFromA, [&](int x, int y, const glm::dvec3& ray, const glm::dvec2& at) {
         const double u = at.x * per - 0.5, v = at.y * per - 0.5;
         const int i = static_cast<int>(u), j = static_cast<int>(v);
@@ -99,35 +132,64 @@ LevelSums sumsOf(const GreyLevels& a, const GreyLevels& b, std::size_t level, co
         const double grey = static_cast<double>(from(x, y)), residual = seen - scale * grey;
         const double times = residual / (kOutlier * usual);
         const double weight = usual > 0 ? 1 / (1 + times * times) : 1;
-        // A turn about b's axes moves the ray by turn x ray, and that its place in the picture.
-        const double kx = b.camera.fx * per / ray.z * du, ky = b.camera.fy * per / ray.z * dv;
-        const double kz = -(kx * ray.x + ky * ray.y) / ray.z;
-        const Eigen::Vector3d slope(ray.y * kz - ray.z * ky, ray.z * kx - ray.x * kz, ray.x * ky - ray.y * kx);
+        const Eigen::Vector3d slopeB = slopeOf(b.camera, per, ray, du, dv);
+        const int left = std::max(x - 1, 0), right = std::min(x + 1, from.width() - 1);
+        const int above = std::max(y - 1, 0), below = std::min(y + 1, from.height() - 1);
+        const double dx = static_cast<double>(from(right, y) - from(left, y)) / (right - left),
+                     dy = static_cast<double>(from(x, below) - from(x, above)) / (below - above);
+        const Eigen::Vector3d slopeA =
+            scale * (toB * slopeOf(a.camera, 1.0 / a.levels[level].pixelsPerPixel, aFromB * ray, dx, dy));
         Sums& sums = parts[static_cast<std::size_t>(box.partOf(at))];
-        sums.normal += weight * slope * slope.transpose();
-        sums.slope += weight * residual * slope;
+        sums.slopes.common += weight * slopeA * slopeB.transpose();
+        sums.slopes.separate += 0.5 * weight * (slopeA * slopeA.transpose() + slopeB * slopeB.transpose());
+        sums.slopes.slope += weight * residual * slopeA;
         sums.aa += grey * grey, sums.ab += grey * seen, sums.bb += seen * seen;
         sums.squares += weight * residual * residual;
-        ++sums.count;
+        ++sums.slopes.count;
     });
     return parts;
 }
 
-/// The sums of all levels of one part, each by its say.
-struct Equation {
-    Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
-    Eigen::Vector3d slope = Eigen::Vector3d::Zero();
-
-    void add(const Sums& sums) {
-        const double weight = sums.weight();
-        normal += weight * sums.normal, slope += weight * sums.slope;
-    }
-    std::optional<Turn> step() const {
-        const Eigen::LLT<Eigen::Matrix3d> solver(normal);
-        if (solver.info() != Eigen::Success || solver.rcond() < 1e-6) return std::nullopt;
-        return -solver.solve(slope);
-    }
+/// The turns that both pictures show alike, and the one they do not: along edges that all run one way nothing is known.
+struct Directions {
+    Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, 3> held; ///< orthonormal columns
+    Eigen::Matrix3d open = Eigen::Matrix3d::Zero();         ///< covariance of the other
+    double least = 0;                                       ///< share in common at which a direction is held
 };
+
+/// Nothing where two directions are open.
+std::optional<Directions> directionsOf(const SlopeSums& sums) {
+    const Eigen::Matrix3d common = 0.5 * (sums.common + sums.common.transpose());
+    if (!(sums.separate.determinant() > 0)) return std::nullopt;
+    const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::Matrix3d> solver(common, sums.separate);
+    if (solver.info() != Eigen::Success) return std::nullopt;
+    Directions directions;
+    directions.least = std::max(kLeastCommonSlope, kByChance / std::sqrt(static_cast<double>(sums.count)));
+    const Eigen::Vector3d shares = solver.eigenvalues(); // ascending
+    if (shares[1] < directions.least) return std::nullopt;
+    directions.held = Eigen::Matrix3d::Identity();
+    if (shares[0] >= directions.least) return directions;
+    // The others of these eigenvectors may lie close to the open one, where moving costs little.
+    const Eigen::Vector3d axis = solver.eigenvectors().col(0).normalized();
+    directions.open = kOpen * kOpen * axis * axis.transpose();
+    directions.held.resize(3, 2);
+    directions.held.col(0) = axis.unitOrthogonal();
+    directions.held.col(1) = axis.cross(directions.held.col(0));
+    return directions;
+}
+
+/// The step that takes the residuals away, within what is held. What is held the less without some part of the
+/// picture is taken for held as little as is just allowed.
+std::optional<Turn> stepOf(const SlopeSums& sums, const Directions& directions) {
+    const auto& held = directions.held;
+    const Eigen::MatrixXd common = 0.5 * held.transpose() * (sums.common + sums.common.transpose()) * held,
+                          separate = held.transpose() * sums.separate * held;
+    if (!(separate.determinant() > 0)) return std::nullopt;
+    const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> solver(common, separate);
+    if (solver.info() != Eigen::Success) return std::nullopt;
+    const Eigen::MatrixXd axes = held * solver.eigenvectors();
+    return Turn(-axes * (axes.transpose() * sums.slope).cwiseQuotient(solver.eigenvalues().cwiseMax(directions.least)));
+}
 
 class Descent {
   public:
@@ -152,11 +214,13 @@ class Descent {
         look(first, end); // how much brighter the one is, and how far off they are
         for (int i = 0; i < kSteps; ++i) {
             look(first, end);
-            Equation all;
+            SlopeSums all;
             for (std::size_t level = first; level < end; ++level)
                 for (const Sums& sums : said[level])
-                    all.add(sums);
-            const auto step = all.step();
+                    all.add(sums.slopes, sums.weight());
+            const auto directions = directionsOf(all);
+            if (!directions) return Descended::open;
+            const auto step = stepOf(all, *directions);
             if (!step) return Descended::open;
             turn += *step;
             if ((turn - start_).norm() > kFarthest) return Descended::astray;
@@ -171,7 +235,7 @@ class Descent {
             said[level] = sumsOf(a_, b_, level, matrixOf(turn) * bFromA_, box_, scales_[level], usual_[level]);
             double aa = 0, bb = 0, squares = 0, count = 0;
             for (const Sums& sums : said[level])
-                aa += sums.aa, bb += sums.bb, squares += sums.squares, count += sums.count;
+                aa += sums.aa, bb += sums.bb, squares += sums.squares, count += sums.slopes.count;
             // Of two pictures with the same noise neither is the truth.
             if (aa > 0 && bb > 0) scales_[level] = std::sqrt(bb / aa);
             if (count > 0) usual_[level] = std::sqrt(squares / count);
@@ -235,33 +299,37 @@ std::optional<NeighbourTurn> layOnNeighbour(const GreyLevels& a, const GreyLevel
 
     NeighbourTurn found;
     found.turn = descent.turn;
-    std::array<Equation, kParts> equations;
-    Equation all;
+    std::array<SlopeSums, kParts> slopes;
+    SlopeSums all;
     const auto fine = std::span(descent.said).subspan(kFirstFine);
     for (const LevelSums& level : fine) {
         Sums whole;
         for (std::size_t part = 0; part < level.size(); ++part) {
-            equations[part].add(level[part]), all.add(level[part]);
+            const double weight = level[part].weight();
+            slopes[part].add(level[part].slopes, weight), all.add(level[part].slopes, weight);
             whole.aa += level[part].aa, whole.ab += level[part].ab, whole.bb += level[part].bb;
         }
         found.correlation = std::max(found.correlation, whole.correlation());
     }
+    const auto directions = directionsOf(all);
+    if (!directions) return std::nullopt;
     // Efron's jackknife over the parts, as turn_search.h has it.
     std::vector<Turn> without;
     double shown = 0, agreed = 0;
-    for (std::size_t part = 0; part < equations.size(); ++part) {
+    for (std::size_t part = 0; part < slopes.size(); ++part) {
         double best = 0, deviation = 0;
         for (const LevelSums& level : fine) {
             const Sums& sums = level[part];
-            if (sums.count < kLeastPixels) continue;
+            if (sums.slopes.count < kLeastPixels) continue;
             best = std::max(best, sums.correlation());
-            deviation = std::max(deviation, std::sqrt(sums.bb / sums.count));
+            deviation = std::max(deviation, std::sqrt(sums.bb / sums.slopes.count));
         }
         shown += deviation, agreed += best >= kMuch ? deviation : 0, found.parts += best >= kMuch;
-        if (!(equations[part].normal.trace() > 0)) continue; // it has no say
-        const Equation rest{all.normal - equations[part].normal, all.slope - equations[part].slope};
-        const auto step = rest.step();
-        if (!step) return std::nullopt;
+        if (!(slopes[part].separate.trace() > 0)) continue; // it has no say
+        SlopeSums rest = all;
+        rest.add(slopes[part], -1);
+        const auto step = stepOf(rest, *directions);
+        if (!step) return std::nullopt; // one part says it all
         without.push_back(*step);
     }
     if (without.size() < 2 || !(shown > 0)) return std::nullopt;
@@ -273,6 +341,8 @@ std::optional<NeighbourTurn> layOnNeighbour(const GreyLevels& a, const GreyLevel
     found.covariance = mean * mean.transpose(); // what is left to go, if anything
     for (const Turn& turn : without)
         found.covariance += (turn - mean) * (turn - mean).transpose() * ((count - 1) / count);
+    found.covariance *= kFewParts * kFewParts;
+    found.covariance += directions->open;
     return found;
 }
 

@@ -30,7 +30,7 @@ GreyLevels greyLevels(const SmallPhotograph& photograph);
 
 struct NeighbourTurn {
     Turn turn = Turn::Zero();   ///< about b's axes: matrixOf(turn) * bFromA is right. Radians
-    Eigen::Matrix3d covariance; ///< of that, by leaving out parts of the picture
+    Eigen::Matrix3d covariance; ///< of that, by leaving out parts of the picture; great where nothing holds it
     double correlation = 0;     ///< of the greys, at the fine level where it is greatest
     int parts = 0;              ///< of what both see, that have much in common
     double agreeing = 0;        ///< the share that these have of all that is to be seen, by its contrast

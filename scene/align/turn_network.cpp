@@ -115,7 +115,7 @@ void TurnNetwork::findBelieved() {
             if (isBelieved[i]) continue;
             int votes = 0;
             for (const PairTurn& pair : pairs_) {
-                if (pair.a != i && pair.b != i) continue;
+                if (!pair.isWhole || (pair.a != i && pair.b != i)) continue;
                 if (isBelieved[pair.a == i ? pair.b : pair.a]) votes += pair.isPlain ? kLeastNeighbours : 1;
             }
             isBelieved[i] = votes >= kLeastNeighbours;

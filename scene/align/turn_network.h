@@ -24,6 +24,7 @@ struct PairTurn {
     Turn turn = Turn::Zero();
     Eigen::Matrix3d covariance;
     bool isPlain = false; ///< so sure that it needs no other to agree
+    bool isWhole = true;  ///< known about all axes
 };
 
 class TurnNetwork {

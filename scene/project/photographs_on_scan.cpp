@@ -13,9 +13,11 @@ namespace {
 constexpr double kLeastPixelSpacings = 0.5;
 constexpr int kMostPixelsAcross = 4096;
 /// Edges of a scan lie anywhere between two samples; one that is known to this share of their spacing is known as well
-/// as the scan can tell.
-constexpr double kMostDeviationSpacings = 0.4;
-constexpr double kLeastDeviationRadians = 7e-4; ///< 0.04 degrees: what is asked of the densest scans
+/// as the scan can tell. Twice that is hardly ever passed.
+constexpr double kMostDeviationSpacings = 0.275;
+constexpr double kLeastMostDeviationRadians = 5e-4; ///< 0.03 degrees: what is asked of the densest scans
+/// What all edges of a scan together leave open, and with the densest scans lenses that are not quite known.
+constexpr double kLeastDeviationSpacings = 0.055, kLeastDeviationRadians = 7e-5;
 
 /// The scan has its reflectance for colours while this lives.
 class InReflectance {
@@ -54,8 +56,9 @@ PhotographForScan forScan(const Image<Rgb8>& picture, const CameraFile& lens, co
 }
 
 PhotographsOnScan::PhotographsOnScan(ScanForPhotographs& scan) : scan_(scan) {
-    options_.mostDeviationRadians =
-        std::max(kLeastDeviationRadians, kMostDeviationSpacings * scan.traits.spacingRadians());
+    const double spacing = scan.traits.spacingRadians();
+    options_.leastDeviationRadians = std::hypot(kLeastDeviationRadians, kLeastDeviationSpacings * spacing);
+    options_.mostDeviationRadians = std::max(kLeastMostDeviationRadians, kMostDeviationSpacings * spacing);
 }
 
 void PhotographsOnScan::add(const PhotographForScan& photograph) {

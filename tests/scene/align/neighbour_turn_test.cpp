@@ -31,8 +31,10 @@ double albedoTowards(const glm::dvec3& direction, double contrast) {
     return value;
 }
 
-/// 240 x 180 pixels, 60 degrees across.
-SmallPhotograph photograph(const glm::dmat3& worldFromCamera, double stops, std::uint64_t seed, double contrast = 1) {
+/// 240 x 180 pixels, 60 degrees across, of what `albedo` says of each direction.
+template <class Albedo>
+SmallPhotograph photographOf(const Albedo& albedo, const glm::dmat3& worldFromCamera, double stops,
+                             std::uint64_t seed) {
     SmallPhotograph taken;
     taken.camera = {240, 180, 207.8, 207.8, 120, 90};
     taken.picture = Image<Rgb8>(240, 180);
@@ -40,13 +42,17 @@ SmallPhotograph photograph(const glm::dmat3& worldFromCamera, double stops, std:
     for (int y = 0; y < 180; ++y)
         for (int x = 0; x < 240; ++x) {
             const glm::dvec3 ray = rayThrough(taken.camera, x + 0.5, y + 0.5);
-            const double light =
-                0.3 * std::exp2(stops) * albedoTowards(glm::normalize(worldFromCamera * ray), contrast);
+            const double light = 0.3 * std::exp2(stops) * albedo(glm::normalize(worldFromCamera * ray));
             const double code = 255 * srgbFromLinear(std::clamp(light, 0.0, 1.0)) + chance.normal();
             const auto byte = static_cast<std::uint8_t>(std::clamp(std::lround(code), 0L, 255L));
             taken.picture(x, y) = {byte, byte, byte};
         }
     return taken;
+}
+
+SmallPhotograph photograph(const glm::dmat3& worldFromCamera, double stops, std::uint64_t seed, double contrast = 1) {
+    return photographOf([&](const glm::dvec3& direction) { return albedoTowards(direction, contrast); },
+                        worldFromCamera, stops, seed);
 }
 
 const glm::dmat3 kBFromA = matrixOf(Turn(0.02, 0.45, -0.03));
@@ -83,6 +89,29 @@ TEST(NeighbourTurn, WhatHasNothingInCommonDoesNotLieOnEachOther) {
     }
     // Back to back.
     EXPECT_FALSE(layOnNeighbour(b, b, matrixOf(Turn(0, std::numbers::pi, 0)), Turn::Zero()));
+}
+
+TEST(NeighbourTurn, AlongEdgesThatAllRunOneWayNothingIsKnown) {
+    // Stripes about an axis: a turn about it changes nothing but the noise.
+    const glm::dmat3 worldFromB = matrixOf(Turn(0.3, -0.2, 0.5));
+    const glm::dvec3 axis = glm::normalize(glm::dvec3(0.1, 1, 0.05)); // of b
+    const auto stripes = [&](const glm::dvec3& direction) {
+        double value = 0.5;
+        for (double frequency = 20; frequency < 200; frequency *= 1.6)
+            value += 0.08 * std::sin(frequency * glm::dot(worldFromB * axis, direction) + frequency);
+        return value;
+    };
+    const GreyLevels a = greyLevels(photographOf(stripes, worldFromB * kBFromA, 0.3, 1)),
+                     b = greyLevels(photographOf(stripes, worldFromB, 0, 2));
+    const Turn about = Turn(axis.x, axis.y, axis.z);
+    const Turn off = 0.004 * about + Turn(0.005, 0, -0.004);
+    const auto found = layOnNeighbour(a, b, glm::transpose(matrixOf(off)) * kBFromA, Turn::Zero());
+    ASSERT_TRUE(found);
+    EXPECT_GT(found->correlation, 0.9);
+    const Turn error = turnOf(matrixOf(found->turn) * glm::transpose(matrixOf(off)));
+    EXPECT_LT((error - about * about.dot(error)).norm(), 0.1 / b.camera.fx) << "across the stripes it is known";
+    EXPECT_GT(std::sqrt(about.dot(found->covariance * about)), 0.5 * kDegree)
+        << "and along them it says that it is not";
 }
 
 TEST(JoinTurns, OfTwoThatContradictEachOtherNeitherIsBelieved) {

@@ -50,6 +50,17 @@ TEST(TurnNetwork, OneThatIsOffIsFoundAmongMany) {
     EXPECT_EQ(network.joinedTo(2), 5);
 }
 
+TEST(TurnNetwork, APairThatLeavesAnAxisOpenPlacesNobody) {
+    PairTurn open = pair(0, 1, Turn::Zero());
+    open.covariance(0, 0) = kDegree * kDegree;
+    open.isWhole = false;
+    TurnNetwork network(2, {own(0, 0.02)}, {open});
+    network.solve();
+    EXPECT_FALSE(network.isBelieved[1]) << "however plain it is about the other two";
+    EXPECT_GT(std::sqrt(network.covariances[1](0, 0)), 0.9 * kDegree);
+    EXPECT_LT(std::sqrt(network.covariances[1](1, 1)), 0.03 * kDegree);
+}
+
 TEST(TurnNetwork, AWrongPairIsFoundInARing) {
     TurnNetwork network(4, {own(0, 0.05), own(1, 0.05), own(2, 0.05), own(3, 0.05)},
                         {pair(0, 1, Turn::Zero()), pair(1, 2, Turn(kDegree, 0, 0)), pair(2, 3, Turn::Zero()),
