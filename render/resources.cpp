@@ -76,11 +76,11 @@ Buffer upload(const Device& device, std::span<const std::byte> bytes, VkBufferUs
     return target;
 }
 
-BufferView makeTexelView(const Device& device, const Buffer& buffer) {
+BufferView makeTexelView(const Device& device, const Buffer& buffer, VkFormat format) {
     VkBufferViewCreateInfo info{};
     info.sType = VK_STRUCTURE_TYPE_BUFFER_VIEW_CREATE_INFO;
     info.buffer = buffer.handle();
-    info.format = VK_FORMAT_R32G32_UINT;
+    info.format = format;
     info.range = VK_WHOLE_SIZE;
     VkBufferView view = VK_NULL_HANDLE;
     check(vkCreateBufferView(device, &info, nullptr, &view));

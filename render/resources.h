@@ -50,6 +50,6 @@ Buffer upload(const Device& device, std::span<const std::byte> bytes, VkBufferUs
 inline constexpr std::size_t kTexelBytes = 8;
 
 /// The whole buffer as texels. It must have at most limits().maxTexelBufferElements of them.
-BufferView makeTexelView(const Device& device, const Buffer& buffer);
+BufferView makeTexelView(const Device& device, const Buffer& buffer, VkFormat format = VK_FORMAT_R32G32_UINT);
 
 } // namespace render

@@ -1,6 +1,7 @@
 #include "render/post/unseen.h"
 
 #include "render/device.h"
+#include "render/post/coverage_texels.h"
 #include "scene/errors.h"
 #include "spirv/unseen.comp.h"
 
@@ -25,54 +26,18 @@ constexpr float kSkyDepth = 1e6f;
 /// What is drawn stands on a surface, within its samples' error: its own far side must not count.
 constexpr float kSlack = 0.004f;
 
-/// Whether there is any unseen space in a node or below; children come after their parents.
-std::vector<std::uint8_t> findUnseen(const std::vector<scene::CoverageNode>& nodes) {
-    std::vector<std::uint8_t> hasUnseen(nodes.size());
-    for (std::size_t i = nodes.size(); i-- > 0;) {
-        hasUnseen[i] = nodes[i].unseen != 0;
-        for (int child = 0; child < std::popcount(nodes[i].children); ++child)
-            hasUnseen[i] |= hasUnseen[nodes[i].firstChild + static_cast<std::size_t>(child)];
-    }
-    return hasUnseen;
-}
-
 } // namespace
-
-std::vector<std::array<std::uint32_t, 2>> coverageTexels(const scene::Coverage& coverage) {
-    const auto words = [](std::uint64_t mask) {
-        return std::array{static_cast<std::uint32_t>(mask), static_cast<std::uint32_t>(mask >> 32)};
-    };
-    const std::vector<std::uint8_t> hasUnseen = findUnseen(coverage.nodes);
-    std::vector<std::size_t> kept{0};
-    std::vector<std::array<std::uint32_t, 2>> texels;
-    for (std::size_t i = 0; i < kept.size(); ++i) {
-        const scene::CoverageNode& node = coverage.nodes[kept[i]];
-        const auto firstChild = static_cast<std::uint32_t>(kept.size());
-        std::uint64_t children = 0;
-        for (std::uint64_t left = node.children; left != 0; left &= left - 1) {
-            const int bit = std::countr_zero(left);
-            const std::size_t child = node.firstChild + scene::childRank(node.children, bit);
-            if (hasUnseen[child] == 0) continue;
-            children |= scene::coverageMask(bit);
-            kept.push_back(child);
-        }
-        texels.push_back(words(node.unseen));
-        texels.push_back(words(children));
-        texels.push_back({firstChild, 0});
-    }
-    return texels;
-}
 
 GpuCoverage::GpuCoverage(const Device& device, const scene::Coverage& coverage)
     : cornerInWorld_(coverage.cornerInWorld), edgeMetres_(coverage.edgeMetres),
       layout_(makeSetLayout(device, kBindings)) {
-    const std::vector<std::array<std::uint32_t, 2>> texels = coverageTexels(coverage);
+    const std::vector<CoverageTexel> texels = coverageTexels(coverage);
     if (texels.size() > device.limits().maxTexelBufferElements)
         throw scene::Failure("coverage takes " + std::to_string(texels.size()) + " texels, more than the " +
                                  std::to_string(device.limits().maxTexelBufferElements) + " a shader can read",
                              device.name(), "choose another device, or draw with --hide-unseen");
     nodes_ = upload(device, std::as_bytes(std::span(texels)), VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT);
-    view_ = makeTexelView(device, nodes_);
+    view_ = makeTexelView(device, nodes_, VK_FORMAT_R32G32B32A32_UINT);
     pool_ = makeSetPool(device, 1, kBindings);
     set_ = allocateSet(device, pool_, layout_, std::array<Bound, 1>{{{nodes_.handle(), view_}}});
 }
@@ -111,7 +76,8 @@ void recordUnseen(VkCommandBuffer commands, const ComputePipeline& pipeline, con
     vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline.layout, 0,
                             static_cast<std::uint32_t>(sets.size()), sets.data(), 0, nullptr);
     vkCmdPushConstants(commands, pipeline.layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof constants, &constants);
-    vkCmdDispatch(commands, static_cast<std::uint32_t>(eye.camera.height), 1, 1);
+    const auto blocks = [](int pixels) { return (static_cast<std::uint32_t>(pixels) + kBeamPixels - 1) / kBeamPixels; };
+    vkCmdDispatch(commands, blocks(eye.camera.width), blocks(eye.camera.height), 1);
 }
 
 } // namespace render

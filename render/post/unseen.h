@@ -8,13 +8,7 @@
 #include "scene/coverage.h"
 #include "scene/view.h"
 
-#include <vector>
-
 namespace render {
-
-/// The tree as the shader reads it, three texels to a node: unseen cells, divided cells, (first child, 0). A cell
-/// without unseen space in it counts as seen whole, however it is divided.
-std::vector<std::array<std::uint32_t, 2>> coverageTexels(const scene::Coverage& coverage);
 
 /// What was observed of a scene, on the device.
 class GpuCoverage {

@@ -9,8 +9,11 @@
 // The eye itself may stand where nobody looked. What is unseen about it is looked through, but no farther than
 // `pocket`: beyond, the ray counts as unseen, and the pattern stands where that stretch ends.
 //
-// Before this header: nodes as texels of two words each, three to a node, through coverageTexel(index):
-// unseen, children, (first child, 0); low word first.
+// Open space is crossed by a grid of voxels that know how far about them nothing is unseen. A block of pixels crosses
+// it together: as long as the rays through its corners are in one box of open space, so are all between them.
+//
+// Before this header: texels of four words each through coverageTexel(index), as render/post/coverage_texels.h lays
+// them out.
 
 #include "render/shaders/shared/language.h"
 #include "render/shaders/shared/z_key.h"
@@ -48,7 +51,17 @@ struct UnseenHit {
 static_assert(sizeof(UnseenConstants) == 96);
 #endif
 
-SHARED_CONSTANT uint kTexelsPerCoverageNode = 3u;
+SHARED_CONSTANT uint kTexelsPerCoverageNode = 2u;
+SHARED_CONSTANT uint kVoxelsAcross = 256u; ///< along the edge of the cube: what nodes of the fourth level have cells
+SHARED_CONSTANT uint kFirstBase = kVoxelsAcross * kVoxelsAcross * kVoxelsAcross / 16u;
+SHARED_CONSTANT uint kFirstCoverageNode = kFirstBase + kFirstBase / 4u;
+/// Of a voxel: none if it is unseen; how many cubes of voxels about each other, itself the first, are all open.
+SHARED_CONSTANT uint kMostRings = 254u;
+SHARED_CONSTANT uint kDividedVoxel = 255u; ///< the tree knows more
+SHARED_CONSTANT uint kBeamPixels = 8u;     ///< along the side of a block of pixels
+SHARED_CONSTANT int kMostBeamSteps = 64;
+/// Voxels: where the boxes are smaller it is no use to go on together.
+SHARED_CONSTANT float kLeastBeamStep = 0.05f;
 SHARED_CONSTANT int kMostUnseenSteps = 2048; ///< through the finest cells of a cube a ray takes fewer in any real scene
 SHARED_CONSTANT float kRayInfinity = 1e30f;
 
@@ -67,29 +80,87 @@ inline int bitCount(uint word) {
 #define COVERAGE_TEMPLATE
 #endif
 
+/// One of four words, by the last two bits of a number.
+SHARED_FUNCTION uint wordOf(uvec4 words, uint i) {
+    uint low = (i & 1u) != 0u ? words.y : words.x;
+    uint high = (i & 1u) != 0u ? words.w : words.z;
+    return (i & 2u) != 0u ? high : low;
+}
+
+/// How many bytes of a word are those of divided voxels, which have all bits set.
+SHARED_FUNCTION int dividedIn(uint word) {
+    uint halves = word & (word >> 1);
+    uint quarters = halves & (halves >> 2);
+    return bitCount(quarters & (quarters >> 4) & 0x01010101u);
+}
+
+struct UnseenVoxel {
+    uint index;
+    vec3 at;       ///< its place, in voxels
+    uvec4 sixteen; ///< the rings of its sixteen
+    uint rings;    ///< see kMostRings
+};
+
 /// p in the cube.
+COVERAGE_TEMPLATE SHARED_FUNCTION UnseenVoxel unseenVoxelAt(COVERAGE_PARAMETER vec3 p) {
+    UnseenVoxel voxel;
+    voxel.at = clamp(floor(p * float(kVoxelsAcross)), vec3(0.0f), vec3(float(kVoxelsAcross - 1u)));
+    uint row = uint(int(voxel.at.z)) * kVoxelsAcross + uint(int(voxel.at.y));
+    voxel.index = row * kVoxelsAcross + uint(int(voxel.at.x));
+    voxel.sixteen = COVERAGE_TEXEL(voxel.index >> 4);
+    voxel.rings = (wordOf(voxel.sixteen, voxel.index >> 2) >> (8u * (voxel.index & 3u))) & 255u;
+    return voxel;
+}
+
+/// Of a divided voxel.
+COVERAGE_TEMPLATE SHARED_FUNCTION uint nodeOfVoxel(COVERAGE_PARAMETER UnseenVoxel voxel) {
+    uint word = (voxel.index >> 2) & 3u;
+    uint before = wordOf(voxel.sixteen, word) & ((1u << (8u * (voxel.index & 3u))) - 1u);
+    int rank = dividedIn(before) + (word > 0u ? dividedIn(voxel.sixteen.x) : 0) +
+               (word > 1u ? dividedIn(voxel.sixteen.y) : 0) + (word > 2u ? dividedIn(voxel.sixteen.z) : 0);
+    return wordOf(COVERAGE_TEXEL(kFirstBase + (voxel.index >> 6)), voxel.index >> 4) + uint(rank);
+}
+
+/// The cell of the tree that p is in, or the box of open voxels about it; p in the cube.
 COVERAGE_TEMPLATE SHARED_FUNCTION UnseenCell unseenCellAt(COVERAGE_PARAMETER vec3 p) {
-    uint node = 0u;
-    float scale = 4.0f;
-    vec3 within = p * 4.0f;
+    UnseenVoxel voxel = unseenVoxelAt(COVERAGE_ARGUMENT p);
     UnseenCell cell;
+    float size = float(kVoxelsAcross);
+    if (voxel.rings != kDividedVoxel) {
+        float beside = max(float(voxel.rings), 1.0f) - 1.0f, edge = 2.0f * beside + 1.0f;
+        cell.isUnseen = voxel.rings == 0u;
+        cell.scale = size / edge;
+        cell.within = (p * size - (voxel.at - vec3(beside))) / edge;
+        return cell;
+    }
+    uint node = nodeOfVoxel(COVERAGE_ARGUMENT voxel);
+    vec3 within = (p * size - voxel.at) * 4.0f;
+    float scale = size * 4.0f;
     while (true) {
         vec3 at = clamp(floor(within), vec3(0.0f), vec3(3.0f));
         within = within - at;
         uint bit = uint(int(at.x)) + 4u * uint(int(at.y)) + 16u * uint(int(at.z));
         bool isHigh = bit >= 32u;
         uint mask = 1u << (bit & 31u);
-        uvec2 children = COVERAGE_TEXEL(node * kTexelsPerCoverageNode + 1u);
-        uint half_ = isHigh ? children.y : children.x;
-        if ((half_ & mask) == 0u) {
-            uvec2 unseen = COVERAGE_TEXEL(node * kTexelsPerCoverageNode);
-            cell.isUnseen = ((isHigh ? unseen.y : unseen.x) & mask) != 0u;
+        uint texel = kFirstCoverageNode + node * kTexelsPerCoverageNode;
+        uvec4 masks = COVERAGE_TEXEL(texel);
+        uint unseen = isHigh ? masks.y : masks.x;
+        uint children = isHigh ? masks.w : masks.z;
+        if ((children & mask) == 0u) {
+            cell.isUnseen = (unseen & mask) != 0u;
             cell.within = within;
             cell.scale = scale;
+            // Two by two by two cells that are all open are passed through at once.
+            vec3 pair = floor(at * 0.5f);
+            uint eight = 0x00330033u << (2u * uint(int(pair.x)) + 8u * uint(int(pair.y)));
+            if (((unseen | children) & eight) == 0u) {
+                cell.within = (within + at - 2.0f * pair) * 0.5f;
+                cell.scale = scale * 0.5f;
+            }
             return cell;
         }
-        uint rank = uint(bitCount(half_ & (mask - 1u))) + (isHigh ? uint(bitCount(children.x)) : 0u);
-        node = COVERAGE_TEXEL(node * kTexelsPerCoverageNode + 2u).x + rank;
+        uint rank = uint(bitCount(children & (mask - 1u))) + (isHigh ? uint(bitCount(masks.z)) : 0u);
+        node = COVERAGE_TEXEL(texel + 1u).x + rank;
         within = within * 4.0f;
         scale = scale * 4.0f;
     }
@@ -108,9 +179,43 @@ SHARED_FUNCTION float safeInverse(float part) {
     return 1.0f / (abs(part) < 1e-12f ? (part < 0.0f ? -1e-12f : 1e-12f) : part);
 }
 
-/// eye, direction: in edges of the cube; end: metres of depth to where something is drawn, infinite if nothing is.
+/// Metres of depth that rays from the eye have before them in open space, all of those between four corners: base,
+/// base + across, base + down, and with both. 0 if the eye itself is not in it.
+COVERAGE_TEMPLATE SHARED_FUNCTION float openDepth(COVERAGE_PARAMETER vec3 eye, vec3 base, vec3 across, vec3 down) {
+    float size = float(kVoxelsAcross);
+    vec3 middle = base + 0.5f * (across + down);
+    vec3 beside = 0.5f * (abs(across) + abs(down));
+    // All are between two rays, seen along each axis by itself.
+    vec3 most = middle + beside, least = middle - beside;
+    vec3 perMost = vec3(safeInverse(most.x), safeInverse(most.y), safeInverse(most.z));
+    vec3 perLeast = vec3(safeInverse(least.x), safeInverse(least.y), safeInverse(least.z));
+    // What does not move towards a face never gets there.
+    vec3 neverHigh = vec3(most.x > 0.0f ? 0.0f : kRayInfinity, most.y > 0.0f ? 0.0f : kRayInfinity,
+                          most.z > 0.0f ? 0.0f : kRayInfinity);
+    vec3 neverLow = vec3(least.x < 0.0f ? 0.0f : kRayInfinity, least.y < 0.0f ? 0.0f : kRayInfinity,
+                         least.z < 0.0f ? 0.0f : kRayInfinity);
+    float step_ = kLeastBeamStep / (size * max(max(abs(middle.x), abs(middle.y)), abs(middle.z)));
+    float t = 0.0f;
+    for (int i = 0; i < kMostBeamSteps; ++i) {
+        UnseenVoxel voxel = unseenVoxelAt(COVERAGE_ARGUMENT eye + t * middle);
+        if (voxel.rings == 0u || voxel.rings == kDividedVoxel) break;
+        float rings = float(voxel.rings);
+        vec3 low = (voxel.at - vec3(rings - 1.0f)) * (1.0f / size);
+        vec3 high = (voxel.at + vec3(rings)) * (1.0f / size);
+        vec3 inside = min(high - (eye + t * most), (eye + t * least) - low);
+        if (min(min(inside.x, inside.y), inside.z) < 0.0f) break;
+        vec3 leave = min((high - eye) * perMost + neverHigh, (low - eye) * perLeast + neverLow);
+        float next = min(min(leave.x, leave.y), leave.z);
+        if (!(next > t + step_)) break;
+        t = next;
+    }
+    return t;
+}
+
+/// eye, direction: in edges of the cube; end: metres of depth to where something is drawn, infinite if nothing is;
+/// open: metres of depth to which it is known to be in open space.
 COVERAGE_TEMPLATE SHARED_FUNCTION UnseenHit walkToUnseen(COVERAGE_PARAMETER vec3 eye, vec3 direction, float pocket,
-                                                         float end) {
+                                                         float end, float open) {
     UnseenHit hit;
     hit.isUnseen = false;
     hit.depth = kRayInfinity;
@@ -124,8 +229,8 @@ COVERAGE_TEMPLATE SHARED_FUNCTION UnseenHit walkToUnseen(COVERAGE_PARAMETER vec3
     float leave = min(min(out_.x, out_.y), out_.z);
     bool isMissed = !(enter < leave);
 
-    bool isInPocket = isMissed || enter > 0.0f || pocket > 0.0f;
-    float t = enter;
+    bool isInPocket = open <= 0.0f && (isMissed || enter > 0.0f || pocket > 0.0f);
+    float t = max(enter, open);
     float last = min(end, leave);
     // A nudge past a cell's face: what floats can still tell apart there.
     float perStep = max(max(abs(direction.x), abs(direction.y)), abs(direction.z));
