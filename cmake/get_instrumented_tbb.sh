@@ -3,7 +3,7 @@
 #
 # Debian's oneTBB is not: the sanitizer then sees no order between what a task wrote and who reads it after the join, and
 # reports correct programs by the hundred. Silencing whatever has libtbb.so in its stack silences every race in our own
-# parallel loops, too. With the library instrumented, nothing needs silencing, and a race in a loop's body is reported.
+# parallel loops, too. With the library instrumented, a race in a loop's body is reported (tests/tsan_suppressions.txt).
 set -euo pipefail
 prefix=$(realpath -m "${1:?usage: get_instrumented_tbb.sh PREFIX}")
 here=$(dirname "$(realpath "$0")")

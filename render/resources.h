@@ -49,7 +49,7 @@ Buffer upload(const Device& device, std::span<const std::byte> bytes, VkBufferUs
 /// facet two.
 inline constexpr std::size_t kTexelBytes = 8;
 
-/// The whole buffer as texels. It must have at most limits().maxTexelBufferElements of them.
+/// The whole buffer as texels, by default of two numbers. It must have at most limits().maxTexelBufferElements of them.
 BufferView makeTexelView(const Device& device, const Buffer& buffer, VkFormat format = VK_FORMAT_R32G32_UINT);
 
 } // namespace render

@@ -14,7 +14,7 @@ namespace render {
 namespace {
 
 constexpr std::size_t kAcross = kVoxelsAcross, kVoxels = kAcross * kAcross * kAcross;
-constexpr std::uint8_t kOpen = kMostRings; ///< before rings are counted: nothing unseen in it
+constexpr std::uint8_t kOpen = 254; ///< before rings are counted: nothing unseen in it
 
 using Texels = std::vector<CoverageTexel>;
 using Rings = std::vector<std::uint8_t>;
@@ -132,8 +132,9 @@ void countAlong(std::uint8_t* line, std::size_t step) {
     }
 }
 
-/// Counts the rings of open voxels about each open one, itself the first, by the distance of L-infinity, which an axis
-/// after the other finds.
+/// Counts the rings of open voxels about each open one, itself the first: the chessboard distance (Rosenfeld and
+/// Pfaltz, "Distance functions on digital pictures", 1968) to the nearest that is not, which one axis after the other
+/// finds.
 void countRings(Rings& rings) {
     std::vector<std::uint8_t> isDivided(rings.size());
     std::transform(rings.begin(), rings.end(), isDivided.begin(),

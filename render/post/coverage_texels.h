@@ -16,11 +16,10 @@ using CoverageTexel = std::array<std::uint32_t, 4>;
 ///
 ///     rings    of the voxels, a byte each, x first, then y, then z
 ///     bases    a word for sixteen voxels: how many divided ones come before them
-///     nodes    two texels each, those of divided voxels first, in their order: unseen cells and divided cells, low
-///     words
-///              first; (first child, 0, 0, 0)
+///     nodes    two texels each: masks of unseen and of divided cells, low words first; (first child, 0, 0, 0)
 ///
-/// A cell without unseen space in it counts as seen whole, however it is divided. The same on any number of threads.
+/// Nodes of divided voxels come first, in the voxels' order, then all below. A cell without unseen space in it counts
+/// as seen whole, however it is divided. The same on any number of threads.
 std::vector<CoverageTexel> coverageTexels(const scene::Coverage& coverage);
 
 } // namespace render

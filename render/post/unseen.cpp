@@ -36,10 +36,10 @@ GpuCoverage::GpuCoverage(const Device& device, const scene::Coverage& coverage)
         throw scene::Failure("coverage takes " + std::to_string(texels.size()) + " texels, more than the " +
                                  std::to_string(device.limits().maxTexelBufferElements) + " a shader can read",
                              device.name(), "choose another device, or draw with --hide-unseen");
-    nodes_ = upload(device, std::as_bytes(std::span(texels)), VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT);
-    view_ = makeTexelView(device, nodes_, VK_FORMAT_R32G32B32A32_UINT);
+    texels_ = upload(device, std::as_bytes(std::span(texels)), VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT);
+    view_ = makeTexelView(device, texels_, VK_FORMAT_R32G32B32A32_UINT);
     pool_ = makeSetPool(device, 1, kBindings);
-    set_ = allocateSet(device, pool_, layout_, std::array<Bound, 1>{{{nodes_.handle(), view_}}});
+    set_ = allocateSet(device, pool_, layout_, std::array<Bound, 1>{{{texels_.handle(), view_}}});
 }
 
 ComputePipeline makeUnseenPipeline(const Device& device, const GpuCoverage& coverage, VkDescriptorSetLayout eyeLayout) {

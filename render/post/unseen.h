@@ -20,12 +20,11 @@ class GpuCoverage {
     VkDescriptorSet set() const { return set_; }
     const glm::dvec3& cornerInWorld() const { return cornerInWorld_; }
     double edgeMetres() const { return edgeMetres_; }
-    std::size_t bytesResident() const { return nodes_.size(); }
 
   private:
     glm::dvec3 cornerInWorld_;
     double edgeMetres_;
-    Buffer nodes_;
+    Buffer texels_;
     BufferView view_;
     DescriptorSetLayout layout_;
     DescriptorPool pool_;

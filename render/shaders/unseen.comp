@@ -8,9 +8,9 @@ layout(local_size_x_id = 0) in;
 
 layout(std430, set = 0, binding = 2) buffer Colours { uint colours[]; };
 layout(std430, set = 0, binding = 3) buffer Depths { float depths[]; };
-layout(set = 1, binding = 0) uniform usamplerBuffer coverageNodes;
+layout(set = 1, binding = 0) uniform usamplerBuffer coverageTexels;
 
-uvec4 coverageTexel(uint index) { return texelFetch(coverageNodes, int(index)); }
+uvec4 coverageTexel(uint index) { return texelFetch(coverageTexels, int(index)); }
 
 #include "render/shaders/shared/unseen.h"
 

@@ -93,7 +93,9 @@ ColourFit findTurn(const DepthImage& scan, const Image<Rgb8>& photograph, const 
     ColourFit fit;
     fit.givenFromFound = matrixOf(found.turn);
     fit.turnedRadians = found.turn.norm();
-    const Eigen::Matrix3d covariance = found.covariance.value_or(Eigen::Matrix3d::Identity());
+    const Eigen::Matrix3d covariance =
+        found.covariance.value_or(Eigen::Matrix3d::Identity()) +
+        options.leastDeviationRadians * options.leastDeviationRadians * Eigen::Matrix3d::Identity();
     for (int i = 0; i < 9; ++i)
         fit.covariance[i / 3][i % 3] = covariance(i % 3, i / 3);
     fit.deviationRadians = std::sqrt(covariance.trace());

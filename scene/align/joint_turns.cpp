@@ -28,7 +28,7 @@ constexpr std::size_t kMostTops = 4;       ///< of that search, which are looked
 constexpr double kLeastPair = 0.003 * kDegree;
 /// Times what the jackknife says, of a photograph that the scan says too little of.
 constexpr double kUnsureOwn = 2;
-constexpr double kMostPairDeviation = 0.0015;                           ///< radians
+constexpr double kMostPairDeviation = 0.0015; ///< radians; more than a pixel, it may lie on another edge
 constexpr int kEdgeColumns = 16, kEdgeRows = 12, kMostEdgesInPart = 30; ///< that are searched for in another
 /// Of greys: of a pair that is believed, of its parts; that a second top may have of the first one's.
 constexpr double kLeastCorrelation = 0.5, kLeastAgreeing = 0.7, kMostRivalShare = 0.8;
@@ -134,8 +134,8 @@ struct Pair {
     std::size_t a = 0, b = 0;
     glm::dmat3 bFromA{1.0};
     Eigen::Matrix3d covariance; ///< of a further turn about b's axes
-    bool isWhole = false;       ///< known about all axes
     bool isPlain = false;       ///< so sure that it needs no other to agree
+    bool isWhole = false;       ///< known about all axes
 };
 
 /// The photographs of a scan, each placed as well as is known so far: by the scan, or by another beside it.
@@ -275,10 +275,9 @@ class Neighbours {
     std::vector<Pair> pairs_;
 };
 
-OwnTurn ownOf(std::size_t photograph, const ColourFit& fit, const ColourToRangeOptions& options) {
-    const double scale = fit.isSure ? 1 : kUnsureOwn, least = options.leastDeviationRadians;
-    return {photograph, scale * scale * eigenOf(fit.covariance) + least * least * Eigen::Matrix3d::Identity(),
-            fit.isSure};
+OwnTurn ownOf(std::size_t photograph, const ColourFit& fit) {
+    const double scale = fit.isSure ? 1 : kUnsureOwn;
+    return {photograph, scale * scale * eigenOf(fit.covariance), fit.isSure};
 }
 
 /// What the network says of a photograph. givenFromPlaced: as it was placed, before the network's turn.
@@ -326,7 +325,7 @@ void joinTurns(std::span<const PhotographOnScan> photographs, std::vector<Colour
         std::vector<OwnTurn> own;
         for (std::size_t i = 0; i < photographs.size(); ++i)
             if (fits[i].isFound && std::find(contradicted.begin(), contradicted.end(), i) == contradicted.end())
-                own.push_back(ownOf(i, fits[i], options));
+                own.push_back(ownOf(i, fits[i]));
         TurnNetwork network(photographs.size(), std::move(own), neighbours.turns(), contradicted);
         network.solve();
         return network;

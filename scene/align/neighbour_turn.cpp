@@ -49,7 +49,11 @@ struct SlopeSums {
 
     void add(const SlopeSums& other, double weight) {
         common += weight * other.common, separate += weight * other.separate, slope += weight * other.slope;
-        if (weight != 0) count += other.count;
+        if (weight > 0) count += other.count;
+    }
+    /// Less one that was added, with its weight in it.
+    SlopeSums without(const SlopeSums& part) const {
+        return {common - part.common, separate - part.separate, slope - part.slope, count - part.count};
     }
 };
 
@@ -150,45 +154,57 @@ LevelSums sumsOf(const GreyLevels& a, const GreyLevels& b, std::size_t level, co
     return parts;
 }
 
+using Axes = Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, 3>; ///< in columns
+
+/// Turns by how much both pictures show them alike, ascending: axes along which slopes are as great as one and have
+/// nothing to do with each other, and the share of them that is common.
+struct Shares {
+    Axes axes;
+    Eigen::VectorXd shares;
+};
+
+/// Within the space of some orthonormal axes; nothing where one of them has no slopes.
+std::optional<Shares> sharesOf(const SlopeSums& sums, const Axes& within) {
+    const Eigen::MatrixXd common = 0.5 * within.transpose() * (sums.common + sums.common.transpose()) * within,
+                          separate = within.transpose() * sums.separate * within;
+    if (!(separate.determinant() > 0)) return std::nullopt;
+    const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> solver(common, separate);
+    if (solver.info() != Eigen::Success) return std::nullopt;
+    return Shares{within * solver.eigenvectors(), solver.eigenvalues()};
+}
+
 /// The turns that both pictures show alike, and the one they do not: along edges that all run one way nothing is known.
 struct Directions {
-    Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, 3> held; ///< orthonormal columns
-    Eigen::Matrix3d open = Eigen::Matrix3d::Zero();         ///< covariance of the other
-    double least = 0;                                       ///< share in common at which a direction is held
+    Axes held = Eigen::Matrix3d::Identity();        ///< orthonormal
+    Eigen::Matrix3d open = Eigen::Matrix3d::Zero(); ///< covariance of the other
+    double least = 0;                               ///< share in common at which a direction is held
 };
 
 /// Nothing where two directions are open.
 std::optional<Directions> directionsOf(const SlopeSums& sums) {
-    const Eigen::Matrix3d common = 0.5 * (sums.common + sums.common.transpose());
-    if (!(sums.separate.determinant() > 0)) return std::nullopt;
-    const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::Matrix3d> solver(common, sums.separate);
-    if (solver.info() != Eigen::Success) return std::nullopt;
     Directions directions;
     directions.least = std::max(kLeastCommonSlope, kByChance / std::sqrt(static_cast<double>(sums.count)));
-    const Eigen::Vector3d shares = solver.eigenvalues(); // ascending
-    if (shares[1] < directions.least) return std::nullopt;
-    directions.held = Eigen::Matrix3d::Identity();
-    if (shares[0] >= directions.least) return directions;
-    // The others of these eigenvectors may lie close to the open one, where moving costs little.
-    const Eigen::Vector3d axis = solver.eigenvectors().col(0).normalized();
+    const auto all = sharesOf(sums, directions.held);
+    if (!all) return std::nullopt;
+    if (all->shares[0] >= directions.least) return directions;
+    // The others of these axes may lie close to the open one, where moving costs little.
+    const Eigen::Vector3d axis = all->axes.col(0).normalized();
     directions.open = kOpen * kOpen * axis * axis.transpose();
     directions.held.resize(3, 2);
     directions.held.col(0) = axis.unitOrthogonal();
     directions.held.col(1) = axis.cross(directions.held.col(0));
+    const auto others = sharesOf(sums, directions.held);
+    if (!others || others->shares[0] < directions.least) return std::nullopt;
     return directions;
 }
 
 /// The step that takes the residuals away, within what is held. What is held the less without some part of the
 /// picture is taken for held as little as is just allowed.
 std::optional<Turn> stepOf(const SlopeSums& sums, const Directions& directions) {
-    const auto& held = directions.held;
-    const Eigen::MatrixXd common = 0.5 * held.transpose() * (sums.common + sums.common.transpose()) * held,
-                          separate = held.transpose() * sums.separate * held;
-    if (!(separate.determinant() > 0)) return std::nullopt;
-    const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> solver(common, separate);
-    if (solver.info() != Eigen::Success) return std::nullopt;
-    const Eigen::MatrixXd axes = held * solver.eigenvectors();
-    return Turn(-axes * (axes.transpose() * sums.slope).cwiseQuotient(solver.eigenvalues().cwiseMax(directions.least)));
+    const auto within = sharesOf(sums, directions.held);
+    if (!within) return std::nullopt;
+    const Eigen::VectorXd along = within->axes.transpose() * sums.slope;
+    return Turn(-within->axes * along.cwiseQuotient(within->shares.cwiseMax(directions.least)));
 }
 
 class Descent {
@@ -326,9 +342,7 @@ std::optional<NeighbourTurn> layOnNeighbour(const GreyLevels& a, const GreyLevel
         }
         shown += deviation, agreed += best >= kMuch ? deviation : 0, found.parts += best >= kMuch;
         if (!(slopes[part].separate.trace() > 0)) continue; // it has no say
-        SlopeSums rest = all;
-        rest.add(slopes[part], -1);
-        const auto step = stepOf(rest, *directions);
+        const auto step = stepOf(all.without(slopes[part]), *directions);
         if (!step) return std::nullopt; // one part says it all
         without.push_back(*step);
     }

@@ -12,8 +12,8 @@ namespace {
 
 constexpr double kLeastPixelSpacings = 0.5;
 constexpr int kMostPixelsAcross = 4096;
-/// Edges of a scan lie anywhere between two samples; one that is known to this share of their spacing is known as well
-/// as the scan can tell. Twice that is hardly ever passed.
+/// Edges of a scan lie anywhere between two samples; a turn whose deviation is this share of their spacing is known as
+/// well as the scan can tell.
 constexpr double kMostDeviationSpacings = 0.275;
 constexpr double kLeastMostDeviationRadians = 5e-4; ///< 0.03 degrees: what is asked of the densest scans
 /// What all edges of a scan together leave open, and with the densest scans lenses that are not quite known.

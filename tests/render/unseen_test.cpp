@@ -52,7 +52,7 @@ scene::Coverage roomCoverage(const glm::dvec3& offset = glm::dvec3(0)) {
         for (int bit = 0; bit < 64; ++bit) {
             const glm::dvec3 least = at.least + cell * glm::dvec3(bit % 4, bit / 4 % 4, bit / 16);
             const int inside = kindAt(least, cell);
-            if (inside != 0 && inside != 8 && at.level < 4) {
+            if (inside != 0 && inside != 8 && at.level < 5) {
                 node.children |= scene::coverageMask(bit);
                 open.push_back({coverage.nodes.size(), least, cell, at.level + 1});
                 coverage.nodes.emplace_back();
@@ -67,24 +67,32 @@ scene::Coverage roomCoverage(const glm::dvec3& offset = glm::dvec3(0)) {
 }
 
 TEST(UnseenWalk, FindsTheCellsOfTheTree) {
-    const scene::Coverage coverage = scene::randomCoverage(1, 3);
+    constexpr int kLevels = 6; // two below the voxels
+    const scene::Coverage coverage = scene::randomCoverage(1, kLevels, 0.3, 0.15);
     const Texels texels(coverage);
     std::mt19937 random(2);
     const auto uniform = [&] { return static_cast<double>(random()) / 4294967296.0; };
-    int unseen = 0;
+    const auto isDivided = [&](const glm::dvec3& p) { return unseenVoxelAt(texels, vec3(p)).rings == kDividedVoxel; };
+    int unseen = 0, divided = 0;
     for (int i = 0; i < 20000; ++i) {
-        const glm::dvec3 p(uniform(), uniform(), uniform());
+        glm::dvec3 p(uniform(), uniform(), uniform());
+        // Half of them where the tree goes on below the voxels, which is a small part of space.
+        for (int k = 0; i % 2 == 0 && k < 100000 && !isDivided(p); ++k)
+            p = {uniform(), uniform(), uniform()};
+        divided += isDivided(p) ? 1 : 0;
         const bool isUnseen =
             scene::observedAt(coverage, coverage.cornerInWorld + coverage.edgeMetres * p) == scene::Observed::unseen;
         unseen += isUnseen ? 1 : 0;
         // At a face between two cells single precision may choose the other one.
-        const glm::dvec3 inFinest = p * 64.0 - glm::floor(p * 64.0);
-        if (std::min({inFinest.x, inFinest.y, inFinest.z}) < 1e-4 ||
-            std::max({inFinest.x, inFinest.y, inFinest.z}) > 1 - 1e-4)
+        const double cells = std::pow(4.0, kLevels);
+        const glm::dvec3 inFinest = p * cells - glm::floor(p * cells);
+        if (std::min({inFinest.x, inFinest.y, inFinest.z}) < 1e-3 ||
+            std::max({inFinest.x, inFinest.y, inFinest.z}) > 1 - 1e-3)
             continue;
         ASSERT_EQ(unseenCellAt(texels, vec3(p)).isUnseen, isUnseen) << p.x << " " << p.y << " " << p.z;
     }
     EXPECT_GT(unseen, 4000);
+    EXPECT_GT(divided, 9000);
 }
 
 /// The first unseen point on a ray in steps far smaller than the cells; asked of the tree itself.
@@ -231,7 +239,12 @@ class Unseen : public RenderTest {
 TEST_F(Unseen, PixelsAreThoseOfTheProcessor) {
     const scene::Coverage coverage = roomCoverage();
     const Texels texels(coverage);
-    const auto eyes = eyesAt();
+    // No whole number of blocks, and not looking through the middle of the picture.
+    auto eyes = eyesAt();
+    for (scene::View& eye : eyes) {
+        eye.camera.width = 157, eye.camera.height = 117;
+        eye.camera.cx -= 21, eye.camera.cy += 13;
+    }
     for (const double pocket : {0.0, 1.0}) {
         Quality quality;
         quality.unseenPocketMetres = pocket;
@@ -240,8 +253,8 @@ TEST_F(Unseen, PixelsAreThoseOfTheProcessor) {
         for (std::size_t eye = 0; eye < 2; ++eye) {
             const UnseenConstants c = unseenConstants(coverage.cornerInWorld, coverage.edgeMetres, eyes[eye], quality);
             int differ = 0, unseen = 0, kept = 0;
-            for (int y = 0; y < 120; ++y)
-                for (int x = 0; x < 160; ++x) {
+            for (int y = 0; y < 117; ++y)
+                for (int x = 0; x < 157; ++x) {
                     const float end = unseenEnd(c, before[eye].pixelClass(x, y), before[eye].depthMetres(x, y));
                     const vec3 direction = rayOf(c, static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f);
                     const UnseenHit hit = walkToUnseen(texels, vec3(c.eye), direction, c.eye.w, end, 0.0f);

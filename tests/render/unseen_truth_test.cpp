@@ -83,12 +83,17 @@ class Truth {
         lowestForAll_ = std::sin(defaults.bottomRadians + kSpacing);
     }
 
-    /// One look at the five rays of each scan answers both questions.
-    Observation observationOf(const glm::dvec3& p) const {
+    /// One look at the five rays of each scan answers both questions. first: the scan to ask first, that which saw the
+    /// place beside this one; becomes the one that sees this.
+    Observation observationOf(const glm::dvec3& p, std::size_t& first) const {
         bool isReached = false;
-        for (const scene::Pose& scanner : place_.scanners) {
-            const Reach reach = reachOf(scanner.translation, p);
-            if (reach == Reach::all) return Observation::surelyObserved;
+        for (std::size_t k = 0; k < place_.scanners.size(); ++k) {
+            const std::size_t scan = (first + k) % place_.scanners.size();
+            const Reach reach = reachOf(place_.scanners[scan].translation, p);
+            if (reach == Reach::all) {
+                first = scan;
+                return Observation::surelyObserved;
+            }
             isReached = isReached || reach == Reach::some;
         }
         return isReached ? Observation::unsure : Observation::surelyUnseen;
@@ -138,12 +143,13 @@ RayTruth judge(const Place& place, const Truth& truth, const glm::dvec3& eye, co
     const double end = hit ? hit->t * glm::length(direction) : 100;
     const glm::dvec3 unit = glm::normalize(direction);
     bool isObserved = true;
+    std::size_t scan = 0;
     double t = 0.01;
     while (t < end) {
         const glm::dvec3 p = eye + t * unit;
         const double spacing = truth.spacingAt(p);
         if (hit && t > end - spacing) break;
-        const Observation observation = truth.observationOf(p);
+        const Observation observation = truth.observationOf(p, scan);
         if (observation == Observation::surelyUnseen) return RayTruth::meetsUnseen;
         isObserved = isObserved && observation == Observation::surelyObserved;
         t += std::max(2 * spacing, 0.02);

@@ -8,8 +8,8 @@
 namespace scene {
 
 /// levels nodes deep; its cube stands off the origin, its edge is no round number. unseenShare: of the cells that are
-/// not divided.
-inline Coverage randomCoverage(std::uint32_t seed, int levels, double unseenShare = 0.3) {
+/// not divided. dividedShare: of those above the last level.
+inline Coverage randomCoverage(std::uint32_t seed, int levels, double unseenShare = 0.3, double dividedShare = 0.3) {
     std::mt19937 random(seed);
     const auto chance = [&](double share) { return static_cast<double>(random() & 0xffffu) < share * 65536; };
     Coverage coverage;
@@ -20,7 +20,7 @@ inline Coverage randomCoverage(std::uint32_t seed, int levels, double unseenShar
     for (std::size_t i = 0; i < coverage.nodes.size(); ++i) {
         CoverageNode node;
         for (int bit = 0; bit < 64; ++bit) {
-            if (level[i] < levels && chance(0.3))
+            if (level[i] < levels && chance(dividedShare))
                 node.children |= coverageMask(bit);
             else if (chance(unseenShare))
                 node.unseen |= coverageMask(bit);

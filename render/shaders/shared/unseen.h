@@ -9,8 +9,9 @@
 // The eye itself may stand where nobody looked. What is unseen about it is looked through, but no farther than
 // `pocket`: beyond, the ray counts as unseen, and the pattern stands where that stretch ends.
 //
-// Open space is crossed by a grid of voxels that know how far about them nothing is unseen. A block of pixels crosses
-// it together: as long as the rays through its corners are in one box of open space, so are all between them.
+// Open space is crossed by a grid of voxels that know how far about them nothing is unseen (Cohen and Sheffer,
+// "Proximity clouds", 1994). A block of pixels crosses it together, as far as one box of open space after the other
+// holds all of its rays (after the beams of Laine and Karras, "Efficient sparse voxel octrees", 2010).
 //
 // Before this header: texels of four words each through coverageTexel(index), as render/post/coverage_texels.h lays
 // them out.
@@ -55,9 +56,7 @@ SHARED_CONSTANT uint kTexelsPerCoverageNode = 2u;
 SHARED_CONSTANT uint kVoxelsAcross = 256u; ///< along the edge of the cube: what nodes of the fourth level have cells
 SHARED_CONSTANT uint kFirstBase = kVoxelsAcross * kVoxelsAcross * kVoxelsAcross / 16u;
 SHARED_CONSTANT uint kFirstCoverageNode = kFirstBase + kFirstBase / 4u;
-/// Of a voxel: none if it is unseen; how many cubes of voxels about each other, itself the first, are all open.
-SHARED_CONSTANT uint kMostRings = 254u;
-SHARED_CONSTANT uint kDividedVoxel = 255u; ///< the tree knows more
+SHARED_CONSTANT uint kDividedVoxel = 255u; ///< instead of rings: the tree knows more of the voxel
 SHARED_CONSTANT uint kBeamPixels = 8u;     ///< along the side of a block of pixels
 SHARED_CONSTANT int kMostBeamSteps = 64;
 /// Voxels: where the boxes are smaller it is no use to go on together.
@@ -98,7 +97,7 @@ struct UnseenVoxel {
     uint index;
     vec3 at;       ///< its place, in voxels
     uvec4 sixteen; ///< the rings of its sixteen
-    uint rings;    ///< see kMostRings
+    uint rings;    ///< so many cubes of voxels about each other, this the first, are open; 0: unseen; or kDividedVoxel
 };
 
 /// p in the cube.

@@ -91,19 +91,24 @@ TEST(NeighbourTurn, WhatHasNothingInCommonDoesNotLieOnEachOther) {
     EXPECT_FALSE(layOnNeighbour(b, b, matrixOf(Turn(0, std::numbers::pi, 0)), Turn::Zero()));
 }
 
-TEST(NeighbourTurn, AlongEdgesThatAllRunOneWayNothingIsKnown) {
-    // Stripes about an axis: a turn about it changes nothing but the noise.
-    const glm::dmat3 worldFromB = matrixOf(Turn(0.3, -0.2, 0.5));
-    const glm::dvec3 axis = glm::normalize(glm::dvec3(0.1, 1, 0.05)); // of b
-    const auto stripes = [&](const glm::dvec3& direction) {
+/// Stripes about an axis of b: a turn about it changes nothing but the noise.
+const glm::dmat3 kWorldFromStriped = matrixOf(Turn(0.3, -0.2, 0.5));
+const glm::dvec3 kStripeAxis = glm::normalize(glm::dvec3(0.1, 1, 0.05));
+
+SmallPhotograph stripes(const glm::dmat3& worldFromCamera, double stops, std::uint64_t seed) {
+    const auto albedo = [](const glm::dvec3& direction) {
         double value = 0.5;
         for (double frequency = 20; frequency < 200; frequency *= 1.6)
-            value += 0.08 * std::sin(frequency * glm::dot(worldFromB * axis, direction) + frequency);
+            value += 0.08 * std::sin(frequency * glm::dot(kWorldFromStriped * kStripeAxis, direction) + frequency);
         return value;
     };
-    const GreyLevels a = greyLevels(photographOf(stripes, worldFromB * kBFromA, 0.3, 1)),
-                     b = greyLevels(photographOf(stripes, worldFromB, 0, 2));
-    const Turn about = Turn(axis.x, axis.y, axis.z);
+    return photographOf(albedo, worldFromCamera, stops, seed);
+}
+
+TEST(NeighbourTurn, AlongEdgesThatAllRunOneWayNothingIsKnown) {
+    const GreyLevels a = greyLevels(stripes(kWorldFromStriped * kBFromA, 0.3, 1)),
+                     b = greyLevels(stripes(kWorldFromStriped, 0, 2));
+    const Turn about(kStripeAxis.x, kStripeAxis.y, kStripeAxis.z);
     const Turn off = 0.004 * about + Turn(0.005, 0, -0.004);
     const auto found = layOnNeighbour(a, b, glm::transpose(matrixOf(off)) * kBFromA, Turn::Zero());
     ASSERT_TRUE(found);
@@ -112,6 +117,38 @@ TEST(NeighbourTurn, AlongEdgesThatAllRunOneWayNothingIsKnown) {
     EXPECT_LT((error - about * about.dot(error)).norm(), 0.1 / b.camera.fx) << "across the stripes it is known";
     EXPECT_GT(std::sqrt(about.dot(found->covariance * about)), 0.5 * kDegree)
         << "and along them it says that it is not";
+}
+
+/// What the scan said of a photograph, exactly.
+ColourFit foundByScan() {
+    ColourFit fit;
+    fit.isFound = fit.isSure = true;
+    fit.parts = kParts, fit.agreeing = 1, fit.score = 5, fit.rivalShare = 0.2, fit.deviationRadians = 3e-4;
+    fit.covariance = glm::dmat3(3e-8);
+    return fit;
+}
+
+TEST(JoinTurns, APairThatLeavesAnAxisOpenPlacesNobody) {
+    const auto joined = [](bool isSecondFound) {
+        std::vector<PhotographOnScan> photographs;
+        for (const glm::dmat3& rotation : {kWorldFromStriped * kBFromA, kWorldFromStriped}) {
+            Pose pose;
+            pose.rotation = rotation;
+            photographs.push_back({stripes(rotation, 0, 1 + photographs.size()), pose});
+        }
+        std::vector<ColourFit> fits{foundByScan(), isSecondFound ? foundByScan() : ColourFit{}};
+        joinTurns(photographs, fits);
+        return fits;
+    };
+    for (const ColourFit& fit : joined(true)) {
+        EXPECT_TRUE(fit.isSure) << fit.why;
+        EXPECT_EQ(fit.neighbours, 1) << "they are laid on each other as far as that goes";
+        EXPECT_LT(fit.deviationRadians, 3e-4);
+    }
+    const std::vector<ColourFit> alone = joined(false);
+    EXPECT_TRUE(alone[0].isSure);
+    EXPECT_FALSE(alone[1].isSure);
+    EXPECT_EQ(alone[1].neighbours, 0);
 }
 
 TEST(JoinTurns, OfTwoThatContradictEachOtherNeitherIsBelieved) {
@@ -124,11 +161,7 @@ TEST(JoinTurns, OfTwoThatContradictEachOtherNeitherIsBelieved) {
             photographs.push_back({photograph(rotation, 0, 1 + photographs.size()), pose});
         }
         photographs[1].scannerFromGiven.rotation = scannerFromB * matrixOf(Turn(0, offRadians, 0));
-        ColourFit fit;
-        fit.isFound = fit.isSure = true;
-        fit.parts = kParts, fit.agreeing = 1, fit.score = 5, fit.rivalShare = 0.2, fit.deviationRadians = 3e-4;
-        fit.covariance = glm::dmat3(3e-8);
-        std::vector<ColourFit> fits{fit, fit};
+        std::vector<ColourFit> fits{foundByScan(), foundByScan()};
         joinTurns(photographs, fits);
         return fits;
     };
