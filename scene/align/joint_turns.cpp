@@ -40,13 +40,6 @@ constexpr double kLeastOverlap = 0.03; ///< of a picture
 constexpr double kLeastAnchors = 0.25;
 constexpr double kSameTurn = 0.1 * kDegree;
 
-Eigen::Matrix3d eigenOf(const glm::dmat3& m) {
-    Eigen::Matrix3d e;
-    for (int i = 0; i < 9; ++i)
-        e(i % 3, i / 3) = m[i / 3][i % 3];
-    return e;
-}
-
 /// The edges of a as b sees them; parts are those of what they share.
 PartRays raysInto(const std::vector<EdgePoint>& points, const Camera& cameraA, const Camera& cameraB,
                   const glm::dmat3& bFromA) {

@@ -48,7 +48,8 @@ class TurnNetwork {
     std::vector<Turn> turns; ///< further turns, about each camera's axes
     std::vector<Eigen::Matrix3d> covariances;
     std::vector<bool> isAnchored; ///< joined to an own turn
-    /// Those with an own turn, those with a plain pair to one that is believed, and those with two pairs to such.
+    /// Those with an own turn, those with a plain pair to one that is believed, and those with two pairs to such,
+    /// all of these known about all axes.
     std::vector<bool> isBelieved;
     std::vector<std::size_t> contradicted; ///< photographs whose own turn was taken away
 

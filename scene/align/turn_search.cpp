@@ -80,6 +80,13 @@ Turn turnOf(const glm::dmat3& r) {
     return sine > 1e-12 ? Turn(twist / (2 * sine) * std::atan2(sine, cosine)) : Turn(twist / 2);
 }
 
+Eigen::Matrix3d eigenOf(const glm::dmat3& matrix) {
+    Eigen::Matrix3d eigen;
+    for (int i = 0; i < 9; ++i)
+        eigen(i % 3, i / 3) = matrix[i / 3][i % 3];
+    return eigen;
+}
+
 /// Better first; ties by the turn itself, so that the order does not depend on threads.
 bool TurnSearch::isBetter(const Candidate& a, const Candidate& b) {
     if (a.score != b.score) return a.score > b.score;

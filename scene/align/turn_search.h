@@ -18,6 +18,7 @@ using Turn = Eigen::Vector3d;
 
 glm::dmat3 matrixOf(const Turn& turn);
 Turn turnOf(const glm::dmat3& rotation);
+Eigen::Matrix3d eigenOf(const glm::dmat3& matrix);
 
 /// What a search found. Radians; scores in standard deviations of the picture's edges, summed over the levels.
 struct TurnFound {
