@@ -57,18 +57,18 @@ input::DeskSays Desk::hear() {
     return std::exchange(says_, now_);
 }
 
-void Desk::show(render::FramePictures& pictures) {
+void Desk::show(Mirrored& mirrored) {
     const std::scoped_lock lock(mutex_);
-    std::swap(pictures_, pictures);
-    hasPictures_ = true;
+    std::swap(mirrored_, mirrored);
+    hasMirrored_ = true;
     wantsPicture_ = false;
 }
 
-bool Desk::take(render::FramePictures& pictures) {
+bool Desk::take(Mirrored& mirrored) {
     const std::scoped_lock lock(mutex_);
-    if (!hasPictures_) return false;
-    std::swap(pictures_, pictures);
-    hasPictures_ = false;
+    if (!hasMirrored_) return false;
+    std::swap(mirrored_, mirrored);
+    hasMirrored_ = false;
     return true;
 }
 

@@ -35,6 +35,12 @@ struct WalkFacts {
     std::string notice;       ///< the last thing that was said
 };
 
+/// A frame for the window, and where it was seen from.
+struct Mirrored {
+    render::FramePictures pictures;
+    glm::dvec3 worldPlace{0}; ///< of the middle between the eyes, the capture's own coordinates
+};
+
 class Desk {
   public:
     explicit Desk(const Knobs& knobs) : knobs_(knobs) {}
@@ -46,8 +52,8 @@ class Desk {
     input::DeskSays hear();
     /// Whether a new picture would be shown.
     bool wantsPicture() const { return wantsPicture_; }
-    /// Swaps: pictures comes back with memory to use again.
-    void show(render::FramePictures& pictures);
+    /// Swaps: mirrored comes back with memory to use again.
+    void show(Mirrored& mirrored);
     void tell(const WalkFacts& facts);
     /// The walk is over.
     void leave() { isOver_ = true; }
@@ -57,7 +63,7 @@ class Desk {
     void turn(const Knobs& knobs);
     void say(const input::DeskSays& says);
     /// The newest pictures, if they have not been taken yet.
-    bool take(render::FramePictures& pictures);
+    bool take(Mirrored& mirrored);
     WalkFacts facts() const;
     void askForPicture() { wantsPicture_ = true; }
     bool isOver() const { return isOver_; }
@@ -67,9 +73,9 @@ class Desk {
     Knobs knobs_;
     input::DeskSays says_; ///< not heard yet
     input::DeskSays now_;  ///< said last
-    render::FramePictures pictures_;
+    Mirrored mirrored_;
     WalkFacts facts_;
-    bool hasPictures_ = false;
+    bool hasMirrored_ = false;
     std::atomic<bool> wantsPicture_ = true, isOver_ = false;
 };
 

@@ -36,7 +36,7 @@ class DeskWindow {
             window_.takeEvents(kTick);
             listen();
             resize();
-            if (desk_.take(pictures_)) {
+            if (desk_.take(shown_)) {
                 showPictures();
                 desk_.askForPicture();
                 desktop_.ask();
@@ -75,7 +75,7 @@ class DeskWindow {
         using input::Command;
         if (says.said(Command::panel)) state_.isOpen = !state_.isOpen;
         if (says.said(Command::fullScreen)) window_.toggleFullScreen();
-        if (says.said(Command::screenshot)) keeper_.keep(shownPictures());
+        if (says.said(Command::screenshot)) keeper_.keep(shownPictures(), shown_.worldPlace);
         if (says.said(Command::video)) {
             state_.isFilming = !state_.isFilming && keeper_.beginFilm();
             if (!state_.isFilming) keeper_.endFilm();
@@ -107,15 +107,15 @@ class DeskWindow {
 
     std::vector<xr::WindowPicture> shownPictures() const {
         std::vector<xr::WindowPicture> shown;
-        for (const std::vector<std::uint32_t>& pixels : pictures_.eyes)
-            shown.push_back({pixels, pictures_.width, pictures_.height});
+        for (const std::vector<std::uint32_t>& pixels : shown_.pictures.eyes)
+            shown.push_back({pixels, shown_.pictures.width, shown_.pictures.height});
         if (shown.size() > 1 && state_.view != PanelState::View::both) shown.resize(1);
         return shown;
     }
 
     void showPictures() {
         if (state_.tintsFilled)
-            for (std::vector<std::uint32_t>& pixels : pictures_.eyes)
+            for (std::vector<std::uint32_t>& pixels : shown_.pictures.eyes)
                 tintUnseen(pixels);
         const std::vector<xr::WindowPicture> shown = shownPictures();
         window_.show(shown);
@@ -129,7 +129,7 @@ class DeskWindow {
     Knobs knobs_;
     PanelState state_;
     PictureKeeper keeper_;
-    render::FramePictures pictures_;
+    Mirrored shown_;
     bool isPointing_ = false, hasLeft_ = false;
 };
 

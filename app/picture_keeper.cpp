@@ -56,7 +56,7 @@ PictureKeeper::~PictureKeeper() {
     endFilm();
 }
 
-void PictureKeeper::keep(std::span<const xr::WindowPicture> pictures) {
+void PictureKeeper::keep(std::span<const xr::WindowPicture> pictures, const glm::dvec3& place) {
     if (pictures.empty()) return;
     const std::string name = nameNow(".png");
     bool isWritten = false;
@@ -66,7 +66,7 @@ void PictureKeeper::keep(std::span<const xr::WindowPicture> pictures) {
         isWritten = false;
     }
     if (isWritten)
-        std::fprintf(stderr, "kept %s\n", name.c_str());
+        std::fprintf(stderr, "kept %s, seen from %.3f %.3f %.3f m\n", name.c_str(), place.x, place.y, place.z);
     else
         std::fprintf(stderr, "revisit: %s: cannot be written; check the folder and the space on its disk\n",
                      name.c_str());

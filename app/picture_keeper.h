@@ -3,6 +3,8 @@
 
 #include "xr/window.h"
 
+#include <glm/glm.hpp>
+
 #include <chrono>
 #include <memory>
 #include <span>
@@ -20,8 +22,9 @@ class PictureKeeper {
     PictureKeeper();
     ~PictureKeeper();
 
-    /// revisit-DATE-TIME.png: the pictures side by side, without the panel.
-    void keep(std::span<const xr::WindowPicture> pictures);
+    /// revisit-DATE-TIME.png: the pictures side by side, without the panel. place: metres, the capture's own
+    /// coordinates; where they are seen from is said with the name.
+    void keep(std::span<const xr::WindowPicture> pictures, const glm::dvec3& place);
 
     /// revisit-DATE-TIME.avi (motion JPEG). False if no film can be made.
     bool beginFilm();

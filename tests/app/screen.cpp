@@ -8,6 +8,7 @@
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
+#include <sstream>
 #include <stdexcept>
 
 #include <X11/Xlib.h>
@@ -104,6 +105,16 @@ void Screen::closeWindow() const {
     event.xclient.data.l[0] = static_cast<long>(XInternAtom(display, "WM_DELETE_WINDOW", False));
     XSendEvent(display, event.xclient.window, False, NoEventMask, &event);
     XCloseDisplay(display); // sends what waits
+}
+
+glm::dvec3 placeOfLastPicture(const std::string& said) {
+    const std::string words = ", seen from ";
+    const std::size_t at = said.rfind(words);
+    if (at == std::string::npos) throw std::runtime_error("no picture was kept");
+    std::istringstream numbers(said.substr(at + words.size()));
+    glm::dvec3 place;
+    numbers >> place.x >> place.y >> place.z;
+    return place;
 }
 
 } // namespace app

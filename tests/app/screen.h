@@ -6,6 +6,8 @@
 
 #include <sys/types.h>
 
+#include <glm/glm.hpp>
+
 namespace app {
 
 /// Whether this machine has what it takes; a test skips where it has not.
@@ -36,5 +38,9 @@ class Screen {
     std::string display_; ///< :7
     std::string window_;
 };
+
+/// Where the last picture that a walk kept (F12) was seen from: metres, the capture's own coordinates; by what the walk
+/// has said. Throws std::runtime_error if none was kept.
+glm::dvec3 placeOfLastPicture(const std::string& said);
 
 } // namespace app
