@@ -1,7 +1,7 @@
 #include "render/target.h"
 
 #include "render/device.h"
-#include "render/shaders/shared/hole_fill.h"
+#include "render/shaders/shared/hole_words.h"
 #include "render/shaders/shared/occlusion.h"
 #include "render/shaders/shared/tile_draw.h"
 #include "scene/errors.h"
@@ -64,8 +64,8 @@ EyeTarget makeEyeTarget(const Device& device, VkDescriptorSetLayout eyeLayout, i
     target.colours = Buffer(device, pixels * sizeof(std::uint32_t), kStorage | VK_BUFFER_USAGE_TRANSFER_SRC_BIT,
                             MemoryUse::hostReads);
     target.depths = Buffer(device, pixels * sizeof(float), kStorage, MemoryUse::hostReads);
-    const auto blocks = static_cast<std::size_t>(holeBlocksAcross(width) * holeBlocksAcross(height));
-    target.holeBlocks = Buffer(device, blocks * sizeof(std::uint32_t), kStorage, MemoryUse::onDevice);
+    const auto holes = static_cast<std::size_t>(holeColumnsAt(width, height, height));
+    target.holes = Buffer(device, holes * sizeof(std::uint32_t), kStorage, MemoryUse::onDevice);
     target.zTexels = makeTexelView(device, target.zBuffer);
     const auto occluders = static_cast<std::size_t>(occludersAlong(width) * occludersAlong(height));
     target.occluders = Buffer(device, occluders * sizeof(std::uint32_t), kStorage, MemoryUse::onDevice);
@@ -80,7 +80,7 @@ EyeTarget makeEyeTarget(const Device& device, VkDescriptorSetLayout eyeLayout, i
                                                             {target.colours.handle()},
                                                             {target.depths.handle()},
                                                             {target.zBuffer.handle(), target.zTexels},
-                                                            {target.holeBlocks.handle()},
+                                                            {target.holes.handle()},
                                                             {target.occluders.handle()},
                                                             {target.passed.handle()},
                                                             {target.passedRuns.handle()}}};

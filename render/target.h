@@ -14,18 +14,18 @@ namespace render {
 inline constexpr int kFramesInFlight = 2;
 
 /// The layout of an eye's set: 0 draws, 1 z-buffer, 2 colours, 3 depths, 4 z-buffer as texels, to be read,
-/// 5 which blocks of it hold anything; 6 the nearest that each block hides, 7 draws that passed a test against that, 8
-/// how many of each run.
+/// 5 holes; 6 the nearest that each block hides, 7 draws that passed a test
+/// against that, 8 how many of each run.
 DescriptorSetLayout makeEyeLayout(const Device& device);
 inline constexpr std::uint32_t kEyeStorageBuffers = 8; ///< of them: all but the texels
 
 /// One z-buffer and picture serve all frames in flight: they follow one another on the eye's queue. The draw
 /// lists, which the processor writes ahead, do not.
 struct EyeTarget {
-    Buffer zBuffer;    ///< 64 bits per pixel, row by row
-    Buffer colours;    ///< r | g << 8 | b << 16 | class << 24 per pixel; mapped
-    Buffer depths;     ///< metres along z as float per pixel; mapped
-    Buffer holeBlocks; ///< 1 or 0 per block of pixels: whether it holds anything
+    Buffer zBuffer; ///< 64 bits per pixel, row by row
+    Buffer colours; ///< r | g << 8 | b << 16 | class << 24 per pixel; mapped
+    Buffer depths;  ///< metres along z as float per pixel; mapped
+    Buffer holes;   ///< which pixels hold anything, and a list for each row (shaders/shared/hole_words.h)
     BufferView zTexels;
     Buffer occluders, passed, passedRuns;      ///< see shaders/shared/occlusion.h
     std::array<Buffer, kFramesInFlight> draws; ///< TileDraw; mapped

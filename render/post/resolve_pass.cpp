@@ -3,7 +3,8 @@
 #include "render/command_streams.h"
 #include "render/device.h"
 
-#include "spirv/hole_blocks.comp.h"
+#include "spirv/fill_holes.comp.h"
+#include "spirv/hole_words.comp.h"
 #include "spirv/resolve.comp.h"
 
 #include <array>
@@ -13,7 +14,8 @@ namespace render {
 namespace {
 
 constexpr VkPipelineStageFlags kCompute = VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT;
-constexpr Barrier kAfterBlocks{kCompute, VK_ACCESS_SHADER_WRITE_BIT, kCompute, VK_ACCESS_SHADER_READ_BIT};
+constexpr Barrier kBetween{kCompute, VK_ACCESS_SHADER_WRITE_BIT, kCompute,
+                           VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT};
 
 std::uint32_t workgroupSize(const Device& device, std::uint32_t onCards) {
     return device.isProcessor() ? static_cast<std::uint32_t>(device.subgroupSize()) : onCards;
@@ -32,21 +34,27 @@ void dispatch(VkCommandBuffer commands, const ComputePipeline& pipeline, VkDescr
 ResolvePass makeResolvePass(const Device& device, VkDescriptorSetLayout eyeLayout) {
     const std::array<VkDescriptorSetLayout, 1> sets{eyeLayout};
     const std::uint32_t size = workgroupSize(device, 128);
-    constexpr std::uint32_t kPlain = 0, kFilling = 1;
-    return {makeComputePipeline(device, kHoleBlocksCode, sets, sizeof(ResolveConstants),
+    constexpr std::uint32_t kPlain = 0, kListing = 1;
+    return {makeComputePipeline(device, kHoleWordsCode, sets, sizeof(ResolveConstants),
                                 std::array{workgroupSize(device, 32)}),
             makeComputePipeline(device, kResolveCode, sets, sizeof(ResolveConstants), std::array{size, kPlain}),
-            makeComputePipeline(device, kResolveCode, sets, sizeof(ResolveConstants), std::array{size, kFilling})};
+            makeComputePipeline(device, kResolveCode, sets, sizeof(ResolveConstants), std::array{size, kListing}),
+            makeComputePipeline(device, kFillHolesCode, sets, sizeof(ResolveConstants),
+                                std::array{workgroupSize(device, 64)})};
 }
 
 void recordResolve(VkCommandBuffer commands, const ResolvePass& pass, VkDescriptorSet eyeSet, int width, int height,
                    const HoleFill& holes) {
     const ResolveConstants constants{width, height, holes};
-    if (holes.radius > 0) {
-        dispatch(commands, pass.holeBlocks, eyeSet, constants, holeBlocksAcross(height));
-        record(commands, kAfterBlocks);
+    if (holes.radius <= 0) {
+        dispatch(commands, pass.plain, eyeSet, constants, height);
+        return;
     }
-    dispatch(commands, holes.radius > 0 ? pass.filling : pass.plain, eyeSet, constants, height);
+    dispatch(commands, pass.holeWords, eyeSet, constants, height);
+    record(commands, kBetween);
+    dispatch(commands, pass.listing, eyeSet, constants, height);
+    record(commands, kBetween);
+    dispatch(commands, pass.filling, eyeSet, constants, height);
 }
 
 } // namespace render

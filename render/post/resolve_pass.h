@@ -10,8 +10,9 @@ namespace render {
 class Device;
 
 struct ResolvePass {
-    ComputePipeline holeBlocks; ///< which parts of the z-buffer hold anything
-    ComputePipeline plain, filling;
+    ComputePipeline holeWords;      ///< which pixels of the z-buffer hold anything
+    ComputePipeline plain, listing; ///< leave holes as they are; list them, too
+    ComputePipeline filling;        ///< those on the lists
 };
 
 ResolvePass makeResolvePass(const Device& device, VkDescriptorSetLayout eyeLayout);

@@ -1,9 +1,11 @@
 #version 460
-// The z-buffer becomes an ordinary picture: holes are filled where both sides are known; colour with its class in the
-// last byte, and depth in metres along z. A workgroup resolves one row.
+// The z-buffer becomes an ordinary picture: colour with its class in the last byte, and depth in metres along z. A
+// workgroup resolves one row. What may have to be filled goes on the row's list instead (fill_holes.comp): few pixels
+// are holes, and the others must not wait for them.
 #extension GL_GOOGLE_include_directive : require
 
 #include "render/shaders/shared/hole_fill.h"
+#include "render/shaders/shared/hole_words.h"
 #include "render/shaders/shared/tile_draw.h"
 #include "render/shaders/shared/z_key.h"
 
@@ -13,7 +15,7 @@ layout(constant_id = 1) const bool FILLS = true; // else holes stay
 layout(std430, set = 0, binding = 2) writeonly buffer Colours { uint colours[]; };
 layout(std430, set = 0, binding = 3) writeonly buffer Depths { float depths[]; };
 layout(set = 0, binding = 4) uniform usamplerBuffer zTexels;
-layout(std430, set = 0, binding = 5) readonly buffer Blocks { uint isOccupied[]; };
+layout(std430, set = 0, binding = 5) buffer Holes { uint holes[]; };
 layout(push_constant) uniform Constants { ResolveConstants constants; };
 
 uvec2 keyAt(ivec2 pixel)
@@ -22,27 +24,38 @@ uvec2 keyAt(ivec2 pixel)
     return isInside ? texelFetch(zTexels, pixel.y * constants.width + pixel.x).xy : uvec2(0u);
 }
 
-/// Whether anything can be within the radius of a hole.
-bool isNearSomething(ivec2 pixel, bool hole)
+uint heldAt(int row, int word)
 {
-    int radius = constants.fill.radius, across = holeBlocksAcross(constants.width);
-    ivec2 end = ivec2(constants.width, constants.height) - 1;
-    ivec2 first = max(pixel - radius, ivec2(0)) / kHoleBlockSide, last = min(pixel + radius, end) / kHoleBlockSide;
-    uint found = 0u;
-    last.y = hole ? last.y : -1; // what is no hole must not wait for the loop's end
-    for (int y = first.y; y <= last.y; ++y)
-        for (int x = first.x; x <= last.x; ++x)
-            found |= isOccupied[y * across + x];
-    return found != 0u;
+    int across = holeWordsAcross(constants.width);
+    bool isInside = row >= 0 && row < constants.height && word >= 0 && word < across;
+    return isInside ? holes[row * across + word] : 0u;
+}
+
+void list(int row, int x)
+{
+    uint place = atomicAdd(holes[holeCountAt(constants.width, constants.height, row)], 1u);
+    holes[holeColumnsAt(constants.width, constants.height, row) + int(place)] = uint(x);
+}
+
+void listHoles(int row)
+{
+    int across = holeWordsAcross(constants.width);
+    for (int word = int(gl_LocalInvocationID.x); word < across; word += int(gl_WorkGroupSize.x)) {
+        int first = word * kHoleWordBits;
+        uint inside = first + kHoleWordBits <= constants.width ? ~0u : (1u << (constants.width - first)) - 1u;
+        uint toFill = withBothEnds(row, word, ~heldAt(row, word) & inside, constants.fill.radius);
+        for (; toFill != 0u; toFill &= toFill - 1u)
+            list(row, first + findLSB(toFill));
+    }
 }
 
 void main()
 {
     int y = int(gl_WorkGroupID.x), row = y * constants.width;
+    if (FILLS) listHoles(y);
     for (int x = int(gl_LocalInvocationID.x); x < constants.width; x += int(gl_WorkGroupSize.x)) {
-        ivec2 pixel = ivec2(x, y);
         uvec2 key = texelFetch(zTexels, row + x).xy;
-        if (FILLS) key = filled(pixel, key, isNearSomething(pixel, isHole(key)), constants.fill);
+        if (FILLS && isPinhole(ivec2(x, y), key, constants.fill)) list(y, x);
         colours[row + x] = colourAndClassOf(key);
         depths[row + x] = depthOf(key);
     }

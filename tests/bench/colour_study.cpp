@@ -4,6 +4,7 @@
 //
 //   revisit_colour_study OUT.json room|corner SEEDS [SHOTS [SAMPLES_PER_DEGREE [MOST_TURN_DEG [PICTURES [OWN_ONLY]]]]]
 //
+// SEEDS: how many, or of so many which, as in 20:7,8,10.
 // PICTURES: a folder that is there, or -: pictures of edges, before and after, of the first seed.
 
 #include "scene/capture/simulated_camera.h"
@@ -18,6 +19,9 @@
 #include <filesystem>
 #include <fstream>
 #include <numbers>
+#include <sstream>
+#include <string>
+#include <vector>
 
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
@@ -118,6 +122,21 @@ json describe(const scene::ColourFit& fit) {
             {"deviation_deg", fit.deviationRadians * kDegrees}};
 }
 
+/// "3" is 1, 2 and 3; "20:7,8" is 7 and 8.
+std::vector<int> chosenSeeds(const std::string& text) {
+    std::vector<int> chosen;
+    const std::size_t colon = text.find(':');
+    if (colon == std::string::npos) {
+        for (int seed = 1; seed <= std::atoi(text.c_str()); ++seed)
+            chosen.push_back(seed);
+        return chosen;
+    }
+    std::istringstream list(text.substr(colon + 1));
+    for (std::string seed; std::getline(list, seed, ',');)
+        chosen.push_back(std::atoi(seed.c_str()));
+    return chosen;
+}
+
 struct Tally {
     std::vector<double> errors, seconds; ///< of sure fits
     int sure = 0, refused = 0, wanted = 0, wrong = 0, strangers = 0, strangersTaken = 0, beyond = 0, beyondTaken = 0;
@@ -132,7 +151,9 @@ int main(int argc, char** argv) {
                              "[MOST_TURN_DEG [PICTURES [OWN_ONLY]]]]]\n");
         return 2;
     }
-    const int seeds = std::atoi(argv[3]), shots = argc > 4 ? std::atoi(argv[4]) : 4;
+    const int seeds = std::atoi(argv[3]);
+    const std::vector<int> chosen = chosenSeeds(argv[3]);
+    const int shots = argc > 4 ? std::atoi(argv[4]) : 4;
     const double density = argc > 5 ? std::atof(argv[5]) : 4, mostTurn = argc > 6 ? std::atof(argv[6]) : 3;
     const std::string pictures = argc > 7 && argv[7] != std::string("-") ? argv[7] : "";
     const bool hasFalse = argc <= 8;
@@ -164,7 +185,7 @@ int main(int argc, char** argv) {
                                       .dump(1)
                                << '\n';
     };
-    for (int seed = 1; seed <= seeds; ++seed) {
+    for (const int seed : chosen) {
         scene::SeededSequence chance(static_cast<std::uint64_t>(seed));
         // From 1 mm to 2 cm over the seeds.
         const double noise = 0.001 * std::pow(20.0, seeds > 1 ? (seed * 7 % seeds) / (seeds - 1.0) : 0.5);
@@ -221,7 +242,7 @@ int main(int argc, char** argv) {
                 if (fit.isSure) tally.errors.push_back(error), tally.wanted += error <= kWantedDegrees;
                 tally.wrong += fit.isSure && error > kWrongDegrees;
                 std::printf(" %.3f%s", error, !fit.isSure ? "(refused)" : error > kWrongDegrees ? " WRONG" : "");
-                if (!pictures.empty() && seed == 1)
+                if (!pictures.empty() && seed == chosen.front())
                     writePictures(scan, own[i], fit,
                                   pictures + "/scan" + std::to_string(number) + "-" + std::to_string(i + 1));
             }

@@ -27,7 +27,12 @@ struct Picture {
     void put(int x, int y, float disparity, uint colour = kGrey) {
         keys(x, y) = packKey(disparity, colour, kClassSeen);
     }
-    uvec2 fill(int x, int y, const HoleFill& holes) const { return filled(*this, {x, y}, keys(x, y), true, holes); }
+    uvec2 fill(int x, int y, const HoleFill& holes) const {
+        const ivec2 pixel{x, y};
+        const uvec2 own = keys(x, y);
+        const bool asks = isHole(own) || isPinhole(*this, pixel, own, holes);
+        return asks ? filled(*this, pixel, own, holes) : own;
+    }
 };
 
 /// As scene::resolve would have it after filling.

@@ -58,13 +58,6 @@ static_assert(sizeof(HoleFill) == 16 && sizeof(ResolveConstants) == 24);
 
 SHARED_CONSTANT int kHoleAxes = 8, kMaskAxes = 4;
 
-/// Pixels along the side of a block; of each it is known whether it holds anything, so that the inside of a large hole
-/// is left at once.
-SHARED_CONSTANT int kHoleBlockSide = 16;
-SHARED_FUNCTION int holeBlocksAcross(int pixels) {
-    return (pixels + kHoleBlockSide - 1) / kHoleBlockSide;
-}
-
 /// The first four are the mask's.
 SHARED_FUNCTION ivec2 holeAxis(int axis) {
     int turn = axis & 3;
@@ -188,11 +181,9 @@ SHARED_FUNCTION uvec2 keyOf(HoleSurface surface) {
 SHARED_CONSTANT int kPairsAcrossCrack = 3;
 
 /// The mask; only ends nearer than `nearer` count.
-HOLE_FUNCTION HoleSurface surfaceByMask(HOLE_KEYS ivec2 pixel, float nearer, bool asks, HoleFill fill) {
+HOLE_FUNCTION HoleSurface surfaceByMask(HOLE_KEYS ivec2 pixel, float nearer, HoleFill fill) {
     HoleSurface surface = noSurface();
-    // As the end of a loop, not a branch: processors draw several pixels at once, and only loops are left early.
-    int axes = asks ? kMaskAxes : 0;
-    for (int axis = 0; axis < axes; ++axis) {
+    for (int axis = 0; axis < kMaskAxes; ++axis) {
         ivec2 step = holeAxis(axis);
         HoleEnd a = endAt(keyAt(pixel + step), 1), b = endAt(keyAt(pixel - step), 1);
         if (min(a.disparity, b.disparity) > nearer && isOneSurface(a, b, fill))
@@ -204,6 +195,7 @@ HOLE_FUNCTION HoleSurface surfaceByMask(HOLE_KEYS ivec2 pixel, float nearer, boo
 /// Farther than the mask, along all axes.
 HOLE_FUNCTION HoleSurface surfaceAround(HOLE_KEYS ivec2 hole, bool asks, HoleFill fill) {
     HoleSurface surface = noSurface();
+    // As the end of a loop, not a branch: processors draw several pixels at once, and only loops are left early.
     int axes = asks ? kHoleAxes : 0;
     for (int axis = 0; axis < axes; ++axis) {
         ivec2 step = holeAxis(axis);
@@ -216,23 +208,26 @@ HOLE_FUNCTION HoleSurface surfaceAround(HOLE_KEYS ivec2 hole, bool asks, HoleFil
     return surface;
 }
 
-/// What a crack shows is farther than what stands on both sides of it; along whichever axis it runs, the pixel to the
-/// left or the one above is no part of it.
-HOLE_FUNCTION bool mayBePinhole(HOLE_KEYS ivec2 pixel, float nearer) {
-    float left = eyeDisparityOf(keyAt(pixel - ivec2(1, 0))), above = eyeDisparityOf(keyAt(pixel - ivec2(0, 1)));
-    return max(left, above) > nearer;
+/// Only what is nearer than this may fill a pixel: of a hole, anything.
+SHARED_FUNCTION float nearerThan(uvec2 own, HoleFill fill) {
+    PRECISE float pushed = eyeDisparityOf(own) * (1.0f + fill.pinholeDepth);
+    return isHole(own) ? -1.0f : pushed;
 }
 
-/// What a pixel shows whose key is `own`: a hole or pinhole what it is filled with, if anything; any other itself.
-/// isNear: whether there is anything within the radius; true if not known.
-HOLE_FUNCTION uvec2 filled(HOLE_KEYS ivec2 pixel, uvec2 own, bool isNear, HoleFill fill) {
+/// Whether a pixel that is no hole may be seen through a crack. What a crack shows is farther than what stands on both
+/// sides of it; along whichever axis it runs, the pixel to the left or the one above is no part of it.
+HOLE_FUNCTION bool isPinhole(HOLE_KEYS ivec2 pixel, uvec2 own, HoleFill fill) {
+    if (isHole(own) || fill.pinholeDepth <= 0.0f) return false;
+    float left = eyeDisparityOf(keyAt(pixel - ivec2(1, 0))), above = eyeDisparityOf(keyAt(pixel - ivec2(0, 1)));
+    return max(left, above) > nearerThan(own, fill);
+}
+
+/// What a hole or pinhole shows whose key is `own`: what it is filled with, if anything, else itself.
+HOLE_FUNCTION uvec2 filled(HOLE_KEYS ivec2 pixel, uvec2 own, HoleFill fill) {
     bool hole = isHole(own);
-    PRECISE float pushed = eyeDisparityOf(own) * (1.0f + fill.pinholeDepth);
-    float nearer = hole ? -1.0f : pushed;
-    bool pinhole = !hole && fill.pinholeDepth > 0.0f && mayBePinhole(HOLE_LENT pixel, nearer);
-    HoleSurface surface = surfaceByMask(HOLE_LENT pixel, nearer, (hole && isNear) || pinhole, fill);
+    HoleSurface surface = surfaceByMask(HOLE_LENT pixel, nearerThan(own, fill), fill);
     if (surface.pairs >= (hole ? 1 : kPairsAcrossCrack)) return keyOf(surface);
-    surface = surfaceAround(HOLE_LENT pixel, hole && isNear && fill.radius > 1, fill);
+    surface = surfaceAround(HOLE_LENT pixel, hole && fill.radius > 1, fill);
     if (surface.pairs > 0) return keyOf(surface);
     return own;
 }

@@ -1,0 +1,35 @@
+#version 460
+// Fills the holes on a row's list (resolve.comp). A workgroup fills one row's: side by side, though they lie far apart.
+#extension GL_GOOGLE_include_directive : require
+
+#include "render/shaders/shared/hole_fill.h"
+#include "render/shaders/shared/hole_words.h"
+#include "render/shaders/shared/tile_draw.h"
+#include "render/shaders/shared/z_key.h"
+
+layout(local_size_x_id = 0) in;
+
+layout(std430, set = 0, binding = 2) writeonly buffer Colours { uint colours[]; };
+layout(std430, set = 0, binding = 3) writeonly buffer Depths { float depths[]; };
+layout(set = 0, binding = 4) uniform usamplerBuffer zTexels;
+layout(std430, set = 0, binding = 5) readonly buffer Holes { uint holes[]; };
+layout(push_constant) uniform Constants { ResolveConstants constants; };
+
+uvec2 keyAt(ivec2 pixel)
+{
+    bool isInside = pixel.x >= 0 && pixel.y >= 0 && pixel.x < constants.width && pixel.y < constants.height;
+    return isInside ? texelFetch(zTexels, pixel.y * constants.width + pixel.x).xy : uvec2(0u);
+}
+
+void main()
+{
+    int y = int(gl_WorkGroupID.x), row = y * constants.width;
+    int count = int(holes[holeCountAt(constants.width, constants.height, y)]);
+    int columns = holeColumnsAt(constants.width, constants.height, y);
+    for (int i = int(gl_LocalInvocationID.x); i < count; i += int(gl_WorkGroupSize.x)) {
+        int x = int(holes[columns + i]);
+        uvec2 key = filled(ivec2(x, y), texelFetch(zTexels, row + x).xy, constants.fill);
+        colours[row + x] = colourAndClassOf(key);
+        depths[row + x] = depthOf(key);
+    }
+}
