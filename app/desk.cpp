@@ -57,18 +57,18 @@ input::DeskSays Desk::hear() {
     return std::exchange(says_, now_);
 }
 
-void Desk::show(Mirrored& mirrored) {
+void Desk::show(render::FramePictures& pictures) {
     const std::scoped_lock lock(mutex_);
-    std::swap(mirrored_, mirrored);
-    hasMirrored_ = true;
+    std::swap(pictures_, pictures);
+    hasPictures_ = true;
     wantsPicture_ = false;
 }
 
-bool Desk::take(Mirrored& mirrored) {
+bool Desk::take(render::FramePictures& pictures) {
     const std::scoped_lock lock(mutex_);
-    if (!hasMirrored_) return false;
-    std::swap(mirrored_, mirrored);
-    hasMirrored_ = false;
+    if (!hasPictures_) return false;
+    std::swap(pictures_, pictures);
+    hasPictures_ = false;
     return true;
 }
 

@@ -35,12 +35,6 @@ struct WalkFacts {
     std::string notice;       ///< the last thing that was said
 };
 
-/// A frame for the window, and where it was seen from.
-struct Mirrored {
-    render::FramePictures pictures;
-    glm::dvec3 worldPlace{0}; ///< of the middle between the eyes, the capture's own coordinates
-};
-
 class Desk {
   public:
     explicit Desk(const Knobs& knobs) : knobs_(knobs) {}
@@ -52,8 +46,8 @@ class Desk {
     input::DeskSays hear();
     /// Whether a new picture would be shown.
     bool wantsPicture() const { return wantsPicture_; }
-    /// Swaps: mirrored comes back with memory to use again.
-    void show(Mirrored& mirrored);
+    /// Swaps: pictures comes back with memory to use again.
+    void show(render::FramePictures& pictures);
     void tell(const WalkFacts& facts);
     /// The walk is over.
     void leave() { isOver_ = true; }
@@ -63,7 +57,7 @@ class Desk {
     void turn(const Knobs& knobs);
     void say(const input::DeskSays& says);
     /// The newest pictures, if they have not been taken yet.
-    bool take(Mirrored& mirrored);
+    bool take(render::FramePictures& pictures);
     WalkFacts facts() const;
     void askForPicture() { wantsPicture_ = true; }
     bool isOver() const { return isOver_; }
@@ -73,9 +67,9 @@ class Desk {
     Knobs knobs_;
     input::DeskSays says_; ///< not heard yet
     input::DeskSays now_;  ///< said last
-    Mirrored mirrored_;
+    render::FramePictures pictures_;
     WalkFacts facts_;
-    bool hasMirrored_ = false;
+    bool hasPictures_ = false;
     std::atomic<bool> wantsPicture_ = true, isOver_ = false;
 };
 

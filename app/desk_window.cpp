@@ -36,7 +36,7 @@ class DeskWindow {
             window_.takeEvents(kTick);
             listen();
             resize();
-            if (desk_.take(shown_)) {
+            if (desk_.take(pictures_)) {
                 showPictures();
                 desk_.askForPicture();
                 desktop_.ask();
@@ -75,7 +75,7 @@ class DeskWindow {
         using input::Command;
         if (says.said(Command::panel)) state_.isOpen = !state_.isOpen;
         if (says.said(Command::fullScreen)) window_.toggleFullScreen();
-        if (says.said(Command::screenshot)) keeper_.keep(shownPictures(), shown_.worldPlace);
+        if (says.said(Command::screenshot)) keeper_.keep(shownPictures(), shownPlace());
         if (says.said(Command::video)) {
             state_.isFilming = !state_.isFilming && keeper_.beginFilm();
             if (!state_.isFilming) keeper_.endFilm();
@@ -107,15 +107,24 @@ class DeskWindow {
 
     std::vector<xr::WindowPicture> shownPictures() const {
         std::vector<xr::WindowPicture> shown;
-        for (const std::vector<std::uint32_t>& pixels : shown_.pictures.eyes)
-            shown.push_back({pixels, shown_.pictures.width, shown_.pictures.height});
+        for (const std::vector<std::uint32_t>& pixels : pictures_.eyes)
+            shown.push_back({pixels, pictures_.width, pictures_.height});
         if (shown.size() > 1 && state_.view != PanelState::View::both) shown.resize(1);
         return shown;
     }
 
+    /// The middle of what is shown, world.
+    glm::dvec3 shownPlace() const {
+        const std::size_t eyes = shownPictures().size();
+        glm::dvec3 sum(0);
+        for (std::size_t eye = 0; eye < eyes; ++eye)
+            sum += pictures_.places[eye];
+        return sum / static_cast<double>(std::max<std::size_t>(eyes, 1));
+    }
+
     void showPictures() {
         if (state_.tintsFilled)
-            for (std::vector<std::uint32_t>& pixels : shown_.pictures.eyes)
+            for (std::vector<std::uint32_t>& pixels : pictures_.eyes)
                 tintUnseen(pixels);
         const std::vector<xr::WindowPicture> shown = shownPictures();
         window_.show(shown);
@@ -129,7 +138,7 @@ class DeskWindow {
     Knobs knobs_;
     PanelState state_;
     PictureKeeper keeper_;
-    Mirrored shown_;
+    render::FramePictures pictures_;
     bool isPointing_ = false, hasLeft_ = false;
 };
 

@@ -164,7 +164,7 @@ std::vector<Knob> makeKnobs() {
             {0.65, 1.0, 1.25}, [](auto& q) -> auto& { return q.footprintScale; }, "points"),
         number(
             "hole_radius", "pixels", "pixels that no sample reached are filled from surfaces this far about; 0: never",
-            {0, 16}, {0, 1, 8}, [](auto& q) -> auto& { return q.holes.radius; }),
+            {0, render::kMostHoleRadius}, {0, 1, 8}, [](auto& q) -> auto& { return q.holes.radius; }),
         number(
             "hole_same_surface", "", "relative difference in depth up to which a hole's two ends are of one surface",
             {0, 1}, {0.01, 0.1}, [](auto& q) -> auto& { return q.holes.sameSurface; }),

@@ -350,8 +350,6 @@ void Walk::draw(WalkStage& stage, xr::ViewSource& source, const xr::Frame& frame
     for (const std::string& sentence : damage_.news(stage.gpuScene(), scene_))
         say(sentence);
     stats_ = renderer.draw(std::span(views).first(eyes), drawn_, std::span(outputs).first(eyes), &overlay_);
-    framePlaces_[stats_.frame % framePlaces_.size()] =
-        0.5 * (views[0].worldFromEye.translation + views[eyes - 1].worldFromEye.translation);
     if (deskSide_ != nullptr) mirror(renderer, isDesk(source), frame);
 
     if (!record_.wantsPicture(static_cast<int>(frame_))) return;
@@ -378,8 +376,7 @@ void Walk::mirror(render::Renderer& renderer, bool isAtDesk, const xr::Frame& fr
     facts_.speed = input::speedOf(locomotion_, knobs_.settings.locomotion);
     facts_.scale = locomotion_.rig.scale;
     deskSide_->desk.tell(facts_);
-    if (!renderer.takeKept(mirrored_.pictures)) return;
-    mirrored_.worldPlace = framePlaces_[mirrored_.pictures.frame % framePlaces_.size()];
+    if (!renderer.takeKept(mirrored_)) return;
     deskSide_->desk.show(mirrored_);
     xr::Window::wake();
 }

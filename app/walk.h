@@ -110,8 +110,7 @@ class Walk {
     int framesWithoutController_ = 0;
     std::optional<Annotator> annotator_;
     std::array<input::Hand, input::kHands> hands_{}; ///< in the frame before it is drawn
-    Mirrored mirrored_;
-    std::array<glm::dvec3, 4> framePlaces_{}; ///< of the eyes' middle in frames drawn last, by number; world
+    render::FramePictures mirrored_;
     WalkFacts facts_;
     std::future<std::unique_ptr<xr::Runtime>> sought_;
     std::unique_ptr<xr::Runtime> found_;

@@ -7,6 +7,8 @@
 #include <cstdint>
 #include <vector>
 
+#include <glm/vec3.hpp>
+
 namespace render {
 
 struct EyeImage {
@@ -19,6 +21,7 @@ struct EyeImage {
 struct FramePictures {
     std::uint64_t frame = 0;
     int width = 0, height = 0;
+    std::vector<glm::dvec3> places;               ///< of the eyes, world
     std::vector<std::vector<std::uint32_t>> eyes; ///< r | g << 8 | b << 16 | class << 24 per pixel, row by row
 };
 

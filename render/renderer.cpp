@@ -90,7 +90,12 @@ FrameStats Renderer::draw(std::span<const scene::View> views, const Quality& qua
         recordCommands(eyes_[i], views[i], quality, outputs.empty() ? EyeOutput{} : outputs[i], slot, index);
     });
     keptFrames_[slot].reset();
-    if (keepsNext_) keptFrames_[slot] = frames_;
+    if (keepsNext_) {
+        keptFrames_[slot] = frames_;
+        keptPlaces_[slot].clear();
+        for (const scene::View& view : views)
+            keptPlaces_[slot].push_back(view.worldFromEye.translation);
+    }
     keepsNext_ = false;
     timed(stats.cpu, "submit", kWholeFrame,
           [&] { streams_.submit(slot, isOnePass_ ? EyeQueues::first : EyeQueues::own); });
@@ -380,6 +385,7 @@ bool Renderer::takeKept(FramePictures& pictures) {
             newest = slot;
     if (!newest) return false;
     pictures.frame = *keptFrames_[*newest];
+    pictures.places = keptPlaces_[*newest];
     pictures.width = width_, pictures.height = height_;
     pictures.eyes.resize(eyes_.size());
     for (std::size_t i = 0; i < eyes_.size(); ++i) {

@@ -151,6 +151,7 @@ class Renderer {
     std::uint64_t frames_ = 0; ///< drawn so far
     bool keepsNext_ = false;
     std::array<std::optional<std::uint64_t>, kFramesInFlight> keptFrames_; ///< by slot; not taken yet
+    std::array<std::vector<glm::dvec3>, kFramesInFlight> keptPlaces_;      ///< of the eyes in them, world
     FrameStats last_;
     CommandStreams streams_; ///< goes first: it waits for the device
 };

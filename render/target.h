@@ -13,9 +13,9 @@ namespace render {
 
 inline constexpr int kFramesInFlight = 2;
 
-/// The layout of an eye's set: 0 draws, 1 z-buffer, 2 colours, 3 depths, 4 z-buffer as texels, to be read,
-/// 5 holes; 6 the nearest that each block hides, 7 draws that passed a test
-/// against that, 8 how many of each run.
+/// The layout of an eye's set: 0 draws, 1 z-buffer, 2 colours, 3 depths, 4 z-buffer as texels, to be read, 5 holes
+/// (shaders/shared/hole_words.h); 6 the nearest that each block hides, 7 draws that passed a test against that, 8 how
+/// many of each run.
 DescriptorSetLayout makeEyeLayout(const Device& device);
 inline constexpr std::uint32_t kEyeStorageBuffers = 8; ///< of them: all but the texels
 

@@ -8,6 +8,7 @@
 #include "spirv/resolve.comp.h"
 
 #include <array>
+#include <cassert>
 
 namespace render {
 
@@ -45,6 +46,7 @@ ResolvePass makeResolvePass(const Device& device, VkDescriptorSetLayout eyeLayou
 
 void recordResolve(VkCommandBuffer commands, const ResolvePass& pass, VkDescriptorSet eyeSet, int width, int height,
                    const HoleFill& holes) {
+    assert(holes.radius <= kMostHoleRadius);
     const ResolveConstants constants{width, height, holes};
     if (holes.radius <= 0) {
         dispatch(commands, pass.plain, eyeSet, constants, height);

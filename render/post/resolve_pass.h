@@ -1,6 +1,6 @@
 #pragma once
-// The last step of every eye: its z-buffer becomes a picture, and holes are filled on the way
-// (shaders/shared/hole_fill.h).
+// The last step of every eye: its z-buffer becomes a picture, and holes in it are filled (shaders/shared/hole_fill.h,
+// hole_words.h).
 
 #include "render/pipeline.h"
 #include "render/shaders/shared/hole_fill.h"

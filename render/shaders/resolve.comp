@@ -1,7 +1,7 @@
 #version 460
 // The z-buffer becomes an ordinary picture: colour with its class in the last byte, and depth in metres along z. A
-// workgroup resolves one row. What may have to be filled goes on the row's list instead (fill_holes.comp): few pixels
-// are holes, and the others must not wait for them.
+// workgroup resolves one row. What may have to be filled goes on the row's list, too, and is drawn over (fill_holes.comp):
+// few pixels are holes, and the others must not wait for them.
 #extension GL_GOOGLE_include_directive : require
 
 #include "render/shaders/shared/hole_fill.h"
@@ -10,7 +10,7 @@
 #include "render/shaders/shared/z_key.h"
 
 layout(local_size_x_id = 0) in;
-layout(constant_id = 1) const bool FILLS = true; // else holes stay
+layout(constant_id = 1) const bool LISTS = true; // what may have to be filled
 
 layout(std430, set = 0, binding = 2) writeonly buffer Colours { uint colours[]; };
 layout(std430, set = 0, binding = 3) writeonly buffer Depths { float depths[]; };
@@ -41,21 +41,20 @@ void listHoles(int row)
 {
     int across = holeWordsAcross(constants.width);
     for (int word = int(gl_LocalInvocationID.x); word < across; word += int(gl_WorkGroupSize.x)) {
-        int first = word * kHoleWordBits;
-        uint inside = first + kHoleWordBits <= constants.width ? ~0u : (1u << (constants.width - first)) - 1u;
-        uint toFill = withBothEnds(row, word, ~heldAt(row, word) & inside, constants.fill.radius);
+        uint asked = ~heldAt(row, word) & pixelsInWord(constants.width, word);
+        uint toFill = withBothEnds(row, word, asked, constants.fill.radius);
         for (; toFill != 0u; toFill &= toFill - 1u)
-            list(row, first + findLSB(toFill));
+            list(row, word * kHoleWordBits + findLSB(toFill));
     }
 }
 
 void main()
 {
     int y = int(gl_WorkGroupID.x), row = y * constants.width;
-    if (FILLS) listHoles(y);
+    if (LISTS) listHoles(y);
     for (int x = int(gl_LocalInvocationID.x); x < constants.width; x += int(gl_WorkGroupSize.x)) {
         uvec2 key = texelFetch(zTexels, row + x).xy;
-        if (FILLS && isPinhole(ivec2(x, y), key, constants.fill)) list(y, x);
+        if (LISTS && isPinhole(ivec2(x, y), key, constants.fill)) list(y, x);
         colours[row + x] = colourAndClassOf(key);
         depths[row + x] = depthOf(key);
     }

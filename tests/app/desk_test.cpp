@@ -40,15 +40,14 @@ TEST(Desk, WhatIsHeldGoesOnAndWhatIsSaidOnceDoesNot) {
 TEST(Desk, PicturesAreTakenOnceAndAskedForAnew) {
     Desk desk({});
     EXPECT_TRUE(desk.wantsPicture());
-    Mirrored mirrored;
-    EXPECT_FALSE(desk.take(mirrored));
-    mirrored.pictures.frame = 5, mirrored.worldPlace = {1, 2, 3};
-    desk.show(mirrored);
+    render::FramePictures pictures;
+    EXPECT_FALSE(desk.take(pictures));
+    pictures.frame = 5;
+    desk.show(pictures);
     EXPECT_FALSE(desk.wantsPicture()) << "one waits already";
-    Mirrored taken;
+    render::FramePictures taken;
     ASSERT_TRUE(desk.take(taken));
-    EXPECT_EQ(taken.pictures.frame, 5u);
-    EXPECT_EQ(taken.worldPlace, glm::dvec3(1, 2, 3));
+    EXPECT_EQ(taken.frame, 5u);
     EXPECT_FALSE(desk.take(taken));
     desk.askForPicture();
     EXPECT_TRUE(desk.wantsPicture());

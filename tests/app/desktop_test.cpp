@@ -172,6 +172,7 @@ TEST_F(Desktop, KeysLeadTheWalkerAndWhatWasSetIsKept) {
     do
         ASSERT_TRUE(hitUntilSaid("F12", "kept revisit-", ++kept)) << log();
     while (glm::distance(placeOfLastPicture(log()), before) < 0.2 && kept < 200);
+    ASSERT_GE(glm::distance(placeOfLastPicture(log()), before), 0.2) << log();
     screen_->act({"keyup", "w"});
     ASSERT_TRUE(hitUntilSaid("b", "begin here", 1)) << log();
     screen_->act({"key", "e"});

@@ -113,7 +113,7 @@ glm::dvec3 placeOfLastPicture(const std::string& said) {
     if (at == std::string::npos) throw std::runtime_error("no picture was kept");
     std::istringstream numbers(said.substr(at + words.size()));
     glm::dvec3 place;
-    numbers >> place.x >> place.y >> place.z;
+    if (!(numbers >> place.x >> place.y >> place.z)) throw std::runtime_error("no place: " + said.substr(at));
     return place;
 }
 

@@ -153,6 +153,11 @@ int main(int argc, char** argv) {
     }
     const int seeds = std::atoi(argv[3]);
     const std::vector<int> chosen = chosenSeeds(argv[3]);
+    if (chosen.empty() || *std::min_element(chosen.begin(), chosen.end()) < 1 ||
+        *std::max_element(chosen.begin(), chosen.end()) > seeds) {
+        std::fprintf(stderr, "revisit_colour_study: SEEDS are 20, or some of 1 to 20 as in 20:7,8; not %s\n", argv[3]);
+        return 2;
+    }
     const int shots = argc > 4 ? std::atoi(argv[4]) : 4;
     const double density = argc > 5 ? std::atof(argv[5]) : 4, mostTurn = argc > 6 ? std::atof(argv[6]) : 3;
     const std::string pictures = argc > 7 && argv[7] != std::string("-") ? argv[7] : "";

@@ -169,11 +169,14 @@ TEST_F(EdgeCases, MoreThanAPageOfVertices) {
 TEST_F(EdgeCases, OnePixelAndOddSizes) {
     const CutScene plane = cut({takePlane(cameraOf(65, 33, 1.5), {0, 0, 1}, 2)}, 63);
     const GpuScene scene(testDevice(), plane.blocks());
-    for (const glm::ivec2 size : {glm::ivec2(1, 1), glm::ivec2(3, 1), glm::ivec2(1, 7), glm::ivec2(37, 19)}) {
-        const EyeImage drawn =
-            drawOnce(scene, {{size.x, size.y, 60, 60, size.x / 2.0, size.y / 2.0}, {}}, {.maxFootprint = 8});
-        EXPECT_EQ(coverage(drawn), 1.0) << size.x << " x " << size.y;
-    }
+    for (const int radius : {0, 1, kMostHoleRadius})
+        for (const glm::ivec2 size : {glm::ivec2(1, 1), glm::ivec2(3, 1), glm::ivec2(1, 7), glm::ivec2(37, 19),
+                                      glm::ivec2(31, 5), glm::ivec2(32, 5), glm::ivec2(33, 5)}) {
+            Quality quality;
+            quality.maxFootprint = 8, quality.holes.radius = radius;
+            const EyeImage drawn = drawOnce(scene, {{size.x, size.y, 60, 60, size.x / 2.0, size.y / 2.0}, {}}, quality);
+            EXPECT_EQ(coverage(drawn), 1.0) << size.x << " x " << size.y << ", radius " << radius;
+        }
 }
 
 } // namespace

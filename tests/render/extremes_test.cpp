@@ -345,7 +345,7 @@ TEST_F(Extremes, NothingToFillHolesFrom) {
     Studio studio(CutScene{});
     for (const Way& way : ways()) {
         Quality quality = way.quality;
-        quality.holes.radius = 32;
+        quality.holes.radius = kMostHoleRadius;
         const EyeImage drawn = studio.draw({cameraOf(kWidth, kHeight, 1.2), {}}, quality);
         EXPECT_TRUE(isSane(drawn)) << way.name;
         EXPECT_EQ(coverage(drawn), 0.0) << way.name;

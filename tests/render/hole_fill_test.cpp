@@ -220,6 +220,41 @@ TEST_F(HoleFillOnDevice, IsThatOfTheProcessor) {
         }
 }
 
+/// Filled by the processor is what the device itself drew without filling, so that nothing of the warp's rounding is in
+/// it: no hole may differ, in pictures of any width.
+TEST_F(HoleFillOnDevice, NoHoleIsForgottenAndNoneAdded) {
+    const CutScene room = cut({takeRoom(cameraOf(200, 150, 1.2), poseAt({-0.2, 0.1, 0.1}, 0.1, 0.05)),
+                               takeRoom(cameraOf(160, 120, 0.9), poseAt({0.3, 0, 0.2}, -0.2, 0.1))});
+    const GpuScene scene(testDevice(), room.blocks());
+    for (const int width : {333, 65, 31, 2}) {
+        const scene::View eye{{width, 217, 566, 566, 0.5 * width, 108.5}, poseAt({-0.3, 0.05, 0.4}, 0.3, -0.1)};
+        Quality quality;
+        quality.maxFootprint = 1;
+        quality.holes.radius = 0;
+        const EyeImage open = drawOnce(scene, eye, quality);
+        for (const int radius : {1, 3, 4, kMostHoleRadius}) {
+            quality.holes.radius = radius;
+            const EyeImage drawn = drawOnce(scene, eye, quality);
+            scene::ZBuffer zBuffer(width, 217, 0);
+            for (std::size_t i = 0; i < zBuffer.pixels().size(); ++i) {
+                if (open.pixelClass.pixels()[i] == 0) continue;
+                const scene::Rgb8 c = open.colour.pixels()[i];
+                const uvec2 key = packKey(1 / open.depthMetres.pixels()[i],
+                                          uint(c.r) | uint(c.g) << 8 | uint(c.b) << 16, open.pixelClass.pixels()[i]);
+                zBuffer.pixels()[i] = std::uint64_t{key.y} << 32 | key.x;
+            }
+            const scene::EyeImage truth = scene::resolve(filledOnProcessor(zBuffer, quality.holes));
+            int differ = 0, fillers = 0;
+            for (std::size_t i = 0; i < zBuffer.pixels().size(); ++i) {
+                fillers += truth.pixelClass.pixels()[i] == 2;
+                differ += truth.pixelClass.pixels()[i] != drawn.pixelClass.pixels()[i];
+            }
+            EXPECT_EQ(differ, 0) << "radius " << radius << ", width " << width << ": " << fillers << " filled";
+            EXPECT_GT(fillers, width > 60 ? 100 : 0) << "radius " << radius << ", width " << width;
+        }
+    }
+}
+
 TEST_F(HoleFillOnDevice, TheSameBytesEveryTime) {
     const CutScene room = roomFromWithin(60);
     const GpuScene scene(testDevice(), room.blocks());

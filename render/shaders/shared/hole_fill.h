@@ -40,7 +40,7 @@ uvec2 keyAt(ivec2 pixel);
 
 /// Knobs of the hole filler (std430).
 struct HoleFill {
-    int radius;         ///< pixels; 0: nothing is filled
+    int radius;         ///< pixels, up to kMostHoleRadius; 0: nothing is filled
     float sameSurface;  ///< relative difference in disparity up to which two ends are of one surface
     int sameColour;     ///< greatest difference of a channel, of 255, between two ends
     float pinholeDepth; ///< a pixel farther than its neighbours by this share of its disparity is a pinhole; 0: never
@@ -57,6 +57,7 @@ static_assert(sizeof(HoleFill) == 16 && sizeof(ResolveConstants) == 24);
 #endif
 
 SHARED_CONSTANT int kHoleAxes = 8, kMaskAxes = 4;
+SHARED_CONSTANT int kMostHoleRadius = 16; ///< pixels; words of 32 are looked at with those beside them alone
 
 /// The first four are the mask's.
 SHARED_FUNCTION ivec2 holeAxis(int axis) {

@@ -29,6 +29,12 @@ SHARED_FUNCTION int holeWordsAcross(int width) {
     return (width + kHoleWordBits - 1) / kHoleWordBits;
 }
 
+/// Bits of those pixels of a word that are in a picture so wide.
+SHARED_FUNCTION uint pixelsInWord(int width, int word) {
+    int left = width - word * kHoleWordBits;
+    return left >= kHoleWordBits ? ~0u : (1u << left) - 1u;
+}
+
 /// Holes in a picture, as indices into one buffer of uints: words as above, row by row; how many pixels of each row are
 /// to be filled; and their columns, as many for each row as it has pixels.
 SHARED_FUNCTION int holeCountAt(int width, int height, int row) {
@@ -89,7 +95,7 @@ SHARED_FUNCTION HoleEnds withRow(HoleEnds ends, HeldPixels held, int down, int r
 }
 
 /// Which of the pixels `asked` of a word have something within reach on both sides of one of the filler's axes.
-/// radius: up to 16 pixels.
+/// radius: up to kMostHoleRadius.
 WORD_FUNCTION uint withBothEnds(WORD_LENDER int row, int word, uint asked, int radius) {
     // As the end of a loop, not a branch: processors take several words at once, and only loops are left early.
     int reach = asked != 0u ? radius : 0;
