@@ -46,7 +46,7 @@ json write(const scene::PhotographForScan& photograph, const scene::ColourFit& f
            const scene::ScanForPhotographs& scan, const BuildOptions& options, const std::filesystem::path& folder) {
     const scene::Pose& worldFromScanner = scan.scan.worldFromScanner;
     const bool isMoved = fit.isSure && fit.turnedRadians > kSameDeviations * fit.deviationRadians;
-    bool isUsed = fit.isSure || options.registration == "given";
+    bool isUsed = fit.isSure || !options.movesScans();
     std::string verdict = verdictOf(fit, isMoved, isUsed);
     scene::Pose scannerFromCamera = photograph.scannerFromGiven;
     if (isMoved) scannerFromCamera.rotation = scannerFromCamera.rotation * fit.givenFromFound;
@@ -158,7 +158,7 @@ std::string keyOfPhotographs(const scene::ScanSource& scan, std::span<const scen
                   scan.registeredWorldFromScanner ? scene::rowMajor(*scan.registeredWorldFromScanner) : json(),
                   describeReading(scan),
                   list,
-                  options.registration == "given",
+                  !options.movesScans(),
                   {dropouts.radius, dropouts.sameSurface, dropouts.minSamples}});
 }
 

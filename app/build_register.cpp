@@ -105,6 +105,8 @@ scene::Registration registerAsMatched(const std::vector<scene::ScanView>& views,
     return joinScans(views, std::move(pairs), options);
 }
 
+} // namespace
+
 scene::Pose poseOf(const json& rows, const std::filesystem::path& file) {
     glm::dmat4 matrix(1);
     for (int i = 0; i < 16; ++i)
@@ -115,10 +117,8 @@ scene::Pose poseOf(const json& rows, const std::filesystem::path& file) {
     return pose;
 }
 
-} // namespace
-
 json registerCapture(scene::Capture& capture, const BuildOptions& options, StageStore& store) {
-    if (options.registration == "given") return nullptr;
+    if (!options.movesScans() || capture.scans.empty()) return nullptr;
     const scene::RegistrationOptions registrationOptions;
     const std::string key = keyOfRegistration(capture, options.registration, registrationOptions);
     const std::filesystem::path folder = store.find("registration", key, [&](const std::filesystem::path& part) {

@@ -20,8 +20,13 @@ void checkWishes(const BuildOptions& options, const scene::Capture& capture) {
     if (options.mostPositions > 0 && !options.positions.isSearched)
         throw scene::Failure("is for positions that are searched for", std::string("--count"),
                              "leave it out, or ask for --positions auto");
-    if (options.registration != "given" && capture.scans.empty())
-        throw scene::Failure("registers laser scans, and there are none", std::string("--register"), "leave it out");
+    const std::string& how = options.registration;
+    if (!how.empty() && how != "given" && capture.scans.empty() && capture.photos.empty())
+        throw scene::Failure("is for laser scans and photographs, and there are none", std::string("--register"),
+                             "leave it out");
+    if (options.movesScans() && how != "auto" && capture.scans.empty())
+        throw scene::Failure("is a file about laser scans, and there are none", std::string("--register"),
+                             "leave it out");
     if (!options.scanner.empty() && capture.scans.empty())
         throw scene::Failure("is for laser scans, and there are none", std::string("--scanner"), "leave it out");
     if (!capture.polygons.empty() && !options.holdOut.empty())
@@ -55,6 +60,7 @@ void buildScene(const BuildOptions& options) {
 
     BuildReports reports;
     reports.registration = registerCapture(capture, options, store);
+    reports.poses = adjustPoses(capture, heldOut, options, store);
     PhotographStage photographs = layPhotographs(capture, options, store);
     reports.photographEvening = evenPhotographs(photographs, options, store);
     ImportedImages imported = capture.polygons.empty() ? importImages(capture, heldOut, photographs, options, store)

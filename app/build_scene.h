@@ -25,14 +25,16 @@ struct BuildOptions {
     std::filesystem::path output;
     std::string holdOut;                  ///< every:N:FIRST, a file of names, or empty
     std::size_t memoryBytes = 8ull << 30; ///< pixels held at a time
-    std::string registration = "given";   ///< where scans stand: given, auto, or a file of matches
-    std::filesystem::path scanner;        ///< file of a calibrated scanner, or empty
-    std::filesystem::path camera;         ///< of the photographs in E57 files, with its lens; empty: as the file says
-    bool cull = true;                     ///< false: every sample is kept
-    bool fuse = true;                     ///< false: kept samples stay as they were captured
-    PositionsWish positions;              ///< of polygon scenes
-    int mostPositions = 0;                ///< where they are searched for; 0: kMostSearched
-    int faceSize = 512;                   ///< of their images, pixels
+    /// Where scans and photographs stand: given, auto, or a file of matches between scans; empty: scans as given,
+    /// photographs adjusted.
+    std::string registration;
+    std::filesystem::path scanner; ///< file of a calibrated scanner, or empty
+    std::filesystem::path camera;  ///< of the photographs in E57 files, with its lens; empty: as the file says
+    bool cull = true;              ///< false: every sample is kept
+    bool fuse = true;              ///< false: kept samples stay as they were captured
+    PositionsWish positions;       ///< of polygon scenes
+    int mostPositions = 0;         ///< where they are searched for; 0: kMostSearched
+    int faceSize = 512;            ///< of their images, pixels
     scene::CaptureLight light;
     scene::PolygonViewOptions polygonView;
     scene::CubeFaceOptions cubeFaces;
@@ -45,6 +47,10 @@ struct BuildOptions {
     bool findUnseen = false; ///< true: coverage is built, and what no image observed is shown as unseen
     scene::CoverOptions coverage;
     scene::PyramidOptions pyramid;
+
+    /// Whether scans are to be registered, and photographs with range laid on each other.
+    bool movesScans() const { return !registration.empty() && registration != "given"; }
+    bool movesPhotographs() const { return registration != "given"; }
 };
 
 /// Builds the scene folder; nothing stands under its name before it is whole. Throws scene::Failure.

@@ -9,8 +9,8 @@
 #include "scene/errors.h"
 #include "scene/image_store.h"
 #include "scene/import/capture.h"
+#include "scene/overlap.h"
 #include "scene/refine/cover.h"
-#include "scene/refine/pairs.h"
 #include "scene/scan.h"
 #include "scene/scene.h"
 
@@ -40,6 +40,15 @@ nlohmann::json describeReading(const scene::ScanSource& scan);
 /// align: where scans stand, as BuildOptions::registration asks; puts what it finds into the capture's scans, and what
 /// there is to say into its remarks. Returns the report that scene.json and info have; null where nothing was done.
 nlohmann::json registerCapture(scene::Capture& capture, const BuildOptions& options, StageStore& store);
+
+/// align, too: where photographs with range stand, unless BuildOptions::registration is given. Those held out are laid
+/// on the others, which know nothing of them. Puts what it finds into the capture's photos, and what there is to say
+/// into its remarks. Returns the report that scene.json and info have; null where nothing was done.
+nlohmann::json adjustPoses(scene::Capture& capture, const std::vector<std::size_t>& heldOut,
+                           const BuildOptions& options, StageStore& store);
+
+/// A pose that a stage wrote into its file. Throws scene::Failure if it is none.
+scene::Pose poseOf(const nlohmann::json& rows, const std::filesystem::path& file);
 
 struct ImportedImages {
     std::vector<scene::StoredImage> images;
@@ -114,7 +123,7 @@ void checkReplaceable(const std::filesystem::path& output);
 
 /// What stages have to say to scene.json and info; null where one did nothing.
 struct BuildReports {
-    nlohmann::json registration, evening, photographEvening;
+    nlohmann::json registration, poses, evening, photographEvening;
 };
 
 /// The scene folder, under a temporary name until it is whole.

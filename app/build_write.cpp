@@ -214,6 +214,7 @@ void writeScene(const std::filesystem::path& output, const scene::Capture& captu
                       {"walk_from_world", scene::rowMajor({})},
                       {"polygons", describePolygons(imported.polygons, options)},
                       {"registration", reports.registration},
+                      {"poses", reports.poses},
                       {"colour_evening", reports.evening},
                       {"photograph_evening", reports.photographEvening},
                       {"photographs", imported.photographs},

@@ -76,6 +76,26 @@ void printRegistration(const json& registration) {
     }
 }
 
+/// What became of the poses that photographs were given.
+void printPoses(const json& poses) {
+    if (poses.is_null()) return;
+    const double before = poses.at("before").at("range_share"), after = poses.at("after").at("range_share");
+    const int adjusted = poses.at("adjusted");
+    if (adjusted == 0) {
+        std::printf("  poses      as given%s: surfaces lie on each other to %.3f %% of their range\n",
+                    poses.at("worse").get<bool>() ? ", nothing fits better" : "", 100 * before);
+        return;
+    }
+    std::printf("  poses      of %d of %zu photographs adjusted, by %.1f mm and %.2f degrees, at most %.1f and %.2f: "
+                "surfaces lie on each other to %.3f %% of their range and %.2f %% of them where another saw through, "
+                "as given %.3f and %.2f\n",
+                adjusted, poses.at("images").size(), 1e3 * poses.at("mean_m").get<double>(),
+                poses.at("mean_deg").get<double>(), 1e3 * poses.at("most_m").get<double>(),
+                poses.at("most_deg").get<double>(), 100 * after,
+                100 * poses.at("after").at("against_share").get<double>(), 100 * before,
+                100 * poses.at("before").at("against_share").get<double>());
+}
+
 /// How photographs were laid on their scans, and how sure that is.
 void printPhotographs(const json& photographs) {
     if (photographs.is_null()) return;
@@ -129,6 +149,7 @@ void printInfo(const std::filesystem::path& folder, bool asJson) {
         std::printf("  scans      %.0f points, %.0f held, %.0f dropped\n", number("scan_points"),
                     number("scan_points_held"), number("scan_points_dropped"));
     printRegistration(info.value("registration", json()));
+    printPoses(info.value("poses", json()));
     printEvening("photos", info.value("photograph_evening", json()));
     printEvening("colours", info.value("colour_evening", json()));
     printPhotographs(info.value("photographs", json()));

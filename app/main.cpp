@@ -124,10 +124,10 @@ void addBuild(CLI::App& program, app::BuildOptions& options, std::string& memory
     build->add_option("--threads", threads, "0: all")->check(CLI::Range(0, 1024))->capture_default_str();
     build
         ->add_option("--register", options.registration,
-                     "where laser scans stand: given, as the file says; auto, found by what they have in common; or a "
-                     "JSON file of places on planes that two scans share")
-        ->type_name("given|auto|FILE")
-        ->capture_default_str();
+                     "where scans and photographs stand: given, as their files say; auto, found by what they have in "
+                     "common; or a JSON file of places on planes that two scans share. Without it scans stay as "
+                     "given, and photographs with range are laid on each other from where they are said to stand")
+        ->type_name("given|auto|FILE");
     build->add_option("--scanner", options.scanner,
                       "scans of a panning scanner are read anew with the constants in this file, which 'revisit "
                       "calibrate scanner' makes");

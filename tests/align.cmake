@@ -13,6 +13,10 @@ target_include_directories(revisit_board_tests SYSTEM PRIVATE ${OpenCV_INCLUDE_D
 revisit_test(revisit_turn_tests LABELS unit LINKS scene_align Eigen3::Eigen
     SOURCES scene/align/neighbour_turn_test.cpp scene/align/turn_network_test.cpp)
 
+# Photographs with range against each other.
+revisit_test(revisit_joint_images_tests LABELS unit LINKS scene_align scene_refine TBB::tbb
+    SOURCES scene/align/joint_images_test.cpp scene/known_scenes.cpp)
+
 # Photographs laid on scans, and what scattered samples become in a camera.
 revisit_test(revisit_photographs_tests LABELS scenes TIMEOUT 300 WHOLE LINKS scene_capture scene_project TBB::tbb
     SOURCES scene/align/colour_to_range_test.cpp scene/project/planar_projection_test.cpp)

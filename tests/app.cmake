@@ -25,6 +25,11 @@ revisit_program_test(revisit_scans_program_tests WHOLE LABELS programs TIMEOUT 3
     SOURCES app/comparison.cpp app/program.cpp app/scans_test.cpp)
 target_link_libraries(revisit_scans_program_tests PRIVATE scene)
 
+# Photographs with range, whose poses are put right.
+revisit_program_test(revisit_poses_program_tests WHOLE LABELS programs TIMEOUT 300
+    SOURCES app/comparison.cpp app/poses_test.cpp app/program.cpp)
+target_link_libraries(revisit_poses_program_tests PRIVATE scene)
+
 # Photographs beside scans, from the simulated camera to how they lie on them.
 revisit_program_test(revisit_photographs_program_tests WHOLE LABELS programs TIMEOUT 300
     SOURCES app/comparison.cpp app/photographs_test.cpp app/program.cpp)

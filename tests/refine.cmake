@@ -10,7 +10,7 @@ revisit_test(revisit_refine_tests LABELS unit LINKS scene scene_project scene_re
         scene/refine/colour_evening_test.cpp
         scene/refine/cover_test.cpp
         scene/refine/fusion_test.cpp
-        scene/refine/pairs_test.cpp
+        scene/overlap_test.cpp
         scene/refine/redundancy_test.cpp
         scene/refine/skins_test.cpp
         scene/reprojection_test.cpp

@@ -5,7 +5,7 @@
 // using invariant features", 2007, section 6, solve gains of panoramas alike).
 
 #include "scene/image_store.h"
-#include "scene/refine/pairs.h"
+#include "scene/overlap.h"
 #include "scene/reprojection.h"
 
 #include <functional>

@@ -4,7 +4,7 @@
 // colours (kNoColour) take those of whoever has any, and are then no longer without.
 
 #include "scene/image_store.h"
-#include "scene/refine/pairs.h"
+#include "scene/overlap.h"
 #include "scene/refine/redundancy.h"
 #include "scene/reprojection.h"
 

@@ -8,7 +8,7 @@
 // no hole opens.
 
 #include "scene/image_store.h"
-#include "scene/refine/pairs.h"
+#include "scene/overlap.h"
 #include "scene/reprojection.h"
 #include "scene/tile.h"
 

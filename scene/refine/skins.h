@@ -18,7 +18,7 @@
 // range (isGuess) it makes those that another image measured surfaces, and those that others saw through nothing.
 
 #include "scene/image_store.h"
-#include "scene/refine/pairs.h"
+#include "scene/overlap.h"
 #include "scene/reprojection.h"
 
 namespace scene {

@@ -223,7 +223,7 @@ TEST_F(Walk, WrongUsageIsTwoAndWhatCannotBeDoneIsOne) {
         {{kRevisit}, 2, "subcommand"},
         {{kRevisit, "build"}, 2, "INPUT"},
         {{kRevisit, "build", capture(), "-o", path("x.revisit"), "--scanner", "x.json"}, 1, "is for laser scans"},
-        {{kRevisit, "build", capture(), "-o", path("x.revisit"), "--register", "auto"}, 1, "registers laser scans"},
+        {{kRevisit, "build", capture(), "-o", path("x.revisit"), "--register", "x.json"}, 1, "about laser scans"},
         {{kRevisit, "build", capture(), "-o", path("x.revisit"), "--memory", "lots"}, 2, "--memory"},
         {{kRevisit, "render", room, "--out", path("x"), "--size", "0x10"}, 2, "--size"},
         {{kRevisit, "render", room, "--out", path("x"), "--warp", "bubbles"}, 2, "bubbles"},

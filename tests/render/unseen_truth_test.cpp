@@ -13,9 +13,9 @@
 
 #include "render/post/unseen.h"
 #include "scene/image_store.h"
+#include "scene/overlap.h"
 #include "scene/project/cube_faces.h"
 #include "scene/refine/cover.h"
-#include "scene/refine/pairs.h"
 #include "scene/refine/skins.h"
 #include "scene/synthetic.h"
 #include "scene/synthetic_tracer.h"

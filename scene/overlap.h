@@ -1,5 +1,5 @@
 #pragma once
-// Which depth images see the same surfaces: the pairs that the other stages of refine warp into each other.
+// Which depth images see the same surfaces: the pairs that are laid on each other, evened and warped into each other.
 
 #include "scene/image_store.h"
 

@@ -1,4 +1,4 @@
-#include "scene/refine/pairs.h"
+#include "scene/overlap.h"
 
 #include "scene/reprojection.h"
 

@@ -1,4 +1,4 @@
-#include "scene/refine/pairs.h"
+#include "scene/overlap.h"
 
 #include "tests/scene/known_scenes.h"
 

@@ -1,0 +1,176 @@
+// align: where the photographs of a capture stood, found by what they have in common.
+
+#include "app/build_stages.h"
+#include "app/progress.h"
+
+#include "scene/align/joint_images.h"
+#include "scene/camera_json.h"
+#include "scene/import/photo.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+#include <optional>
+
+#include <glm/geometric.hpp>
+#include <tbb/parallel_for.h>
+
+namespace app {
+
+namespace {
+
+using nlohmann::json;
+
+/// Changed whenever what the stage finds changes, so that results of older versions are not taken for new ones.
+constexpr int kAdjustVersion = 1;
+constexpr int kPixelsAcross = 400;  ///< of a sketch, about: finer ones hold poses no better
+constexpr int kFewestAcross = 100;  ///< coarser ones hold them worse than they are given
+constexpr float kLeastShare = 0.1f; ///< of an image, that a partner must see of it
+constexpr double kDegrees = 180 / std::numbers::pi;
+
+std::size_t bytesOfSketches(const scene::Capture& capture, int shrink) {
+    std::size_t bytes = 0;
+    for (const scene::PhotoSource& photo : capture.photos)
+        bytes += scene::bytesOfSketch(photo.camera, shrink);
+    return bytes;
+}
+
+/// How much smaller sketches are than photographs, so that all fit into memory; nothing if none do.
+std::optional<int> shrinkFor(const scene::Capture& capture, std::size_t bytes) {
+    int across = 0;
+    for (const scene::PhotoSource& photo : capture.photos)
+        across = std::max({across, photo.camera.width, photo.camera.height});
+    int shrink = std::max(1, static_cast<int>(std::lround(static_cast<double>(across) / kPixelsAcross)));
+    while (bytesOfSketches(capture, shrink) > bytes && across / shrink > kFewestAcross)
+        ++shrink;
+    if (bytesOfSketches(capture, shrink) > bytes) return std::nullopt;
+    return shrink;
+}
+
+std::string keyOfAdjustment(const scene::Capture& capture, const std::vector<std::size_t>& heldOut, int shrink,
+                            const scene::JointImagesOptions& o) {
+    json photos = json::array();
+    for (const scene::PhotoSource& photo : capture.photos) {
+        const scene::Camera& c = photo.camera;
+        const scene::Distortion& d = photo.distortion;
+        photos.push_back({photo.name,
+                          fingerprintOf(photo.colourPath),
+                          fingerprintOf(photo.depthPath),
+                          {c.width, c.height, c.fx, c.fy, c.cx, c.cy},
+                          {d.k1, d.k2, d.p1, d.p2, d.k3},
+                          scene::rowMajor(photo.worldFromCamera),
+                          photo.depthUnitMetres});
+    }
+    return keyOf({kAdjustVersion, photos, heldOut, shrink, kLeastShare, o.maxPartners, o.samplesPerPair,
+                  o.leastAgreeing, o.passes, o.prior, o.mostMoved, o.mostAgainst, o.leastPixels,
+                  o.comparison.sameSurface, o.comparison.pixelError});
+}
+
+const char* nameOf(scene::ImagePlace place) {
+    switch (place) {
+    case scene::ImagePlace::adjusted:
+        return "adjusted";
+    case scene::ImagePlace::strayed:
+        return "strayed";
+    case scene::ImagePlace::loose:
+        return "loose";
+    case scene::ImagePlace::given:
+        break;
+    }
+    return "given";
+}
+
+json describe(const scene::Apartness& apart) {
+    return {{"range_share", apart.range},
+            {"light_log", apart.grey},
+            {"against_share", apart.against},
+            {"samples", apart.agreeing}};
+}
+
+json describe(const scene::Capture& capture, const scene::JointImages& found) {
+    json images = json::array();
+    double mostMetres = 0, mostRadians = 0, sumMetres = 0, sumRadians = 0;
+    int adjusted = 0;
+    for (std::size_t i = 0; i < capture.photos.size(); ++i) {
+        const scene::Pose &given = capture.photos[i].worldFromCamera, &pose = found.worldFromCameras[i];
+        images.push_back({{"name", capture.photos[i].name}, {"place", nameOf(found.places[i])}});
+        if (found.places[i] != scene::ImagePlace::adjusted) continue;
+        const double metres = glm::length(pose.translation - given.translation);
+        const double radians = std::acos(std::clamp(scene::cosineBetween(given.rotation, pose.rotation), -1.0, 1.0));
+        images.back()["world_from_camera"] = scene::rowMajor(pose);
+        images.back()["moved_m"] = metres;
+        images.back()["turned_deg"] = radians * kDegrees;
+        mostMetres = std::max(mostMetres, metres), mostRadians = std::max(mostRadians, radians);
+        sumMetres += metres, sumRadians += radians;
+        ++adjusted;
+    }
+    const double per = 1.0 / std::max(adjusted, 1);
+    return {{"images", images},
+            {"adjusted", adjusted},
+            {"before", describe(found.before)},
+            {"after", describe(found.after)},
+            {"moved_pixels", found.movedPixels},
+            {"worse", found.isWorse},
+            {"mean_m", sumMetres * per},
+            {"most_m", mostMetres},
+            {"mean_deg", sumRadians * per * kDegrees},
+            {"most_deg", mostRadians * kDegrees}};
+}
+
+scene::JointImages adjust(const scene::Capture& capture, const std::vector<std::size_t>& heldOut, int shrink,
+                          const scene::JointImagesOptions& options) {
+    const std::size_t count = capture.photos.size();
+    std::vector<scene::ImageSketch> sketches(count);
+    std::vector<scene::ImageOutline> outlines(count);
+    Progress reading("sketches", count);
+    tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
+        sketches[i] = scene::sketchOf(scene::readPhoto(capture.photos[i]), shrink);
+        outlines[i] = outlineOf(sketches[i].depth);
+        reading.advance();
+    });
+    std::vector<std::uint8_t> isFollower(count, 0);
+    for (const std::size_t i : heldOut)
+        isFollower[i] = 1;
+    Progress laying("poses", sketches.front().greys.size() * static_cast<std::size_t>(options.passes));
+    return layImagesOnEachOther(sketches, shrink, findPartners(outlines, kLeastShare), isFollower, options,
+                                [&] { laying.advance(); });
+}
+
+} // namespace
+
+json adjustPoses(scene::Capture& capture, const std::vector<std::size_t>& heldOut, const BuildOptions& options,
+                 StageStore& store) {
+    if (!options.movesPhotographs() || capture.photos.size() < 2 || !capture.scans.empty()) return nullptr;
+    const auto remark = [&](const std::string& sentence) {
+        std::fprintf(stderr, "note: %s\n", sentence.c_str());
+        capture.remarks.push_back(sentence);
+    };
+    const std::optional<int> shrink = shrinkFor(capture, options.memoryBytes / 2);
+    if (!shrink) {
+        remark("Photographs stand where they are said to stand: " + std::to_string(capture.photos.size()) +
+               " are too many to be laid on each other within --memory.");
+        return nullptr;
+    }
+    const scene::JointImagesOptions o;
+    const std::string key = keyOfAdjustment(capture, heldOut, *shrink, o);
+    const std::filesystem::path folder = store.find("poses", key, [&](const std::filesystem::path& part) {
+        writeWhole(part / "poses.json", describe(capture, adjust(capture, heldOut, *shrink, o)).dump());
+    });
+    const json report = readJson(folder / "poses.json");
+    for (std::size_t i = 0; i < capture.photos.size(); ++i) {
+        const json& image = report.at("images").at(i);
+        if (image.at("place") == "strayed")
+            remark("Photograph '" + capture.photos[i].name +
+                   "' stands where it was said to stand: the others do not say where it belongs.");
+        if (image.at("place") == "loose")
+            remark(
+                "Photograph '" + capture.photos[i].name +
+                "' stands where it was said to stand: what it has in common with others does not say where exactly.");
+        if (image.at("place") == "adjusted")
+            capture.photos[i].worldFromCamera = poseOf(image.at("world_from_camera"), folder / "poses.json");
+    }
+    return report;
+}
+
+} // namespace app
