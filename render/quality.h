@@ -43,7 +43,7 @@ struct Quality {
     double farSamplePixels = 0;
 
     /// Tiles behind what is drawn already are left out. Pictures are the same, but for what would be seen through gaps
-    /// of one or two pixels, where such are filled anyway. It pays where much is hidden.
+    /// of one pixel within a surface, where such are filled anyway. It pays where much is hidden.
     bool leavesOutHidden = true;
 
     /// Points and splats of two eyes: one pass reads each sample once and warps it to both (render/warp/stereo_pass.h).

@@ -19,6 +19,13 @@ double marginOf(const Quality& quality, const GpuScene& scene) {
     return quality.isBlended ? std::max(margin, static_cast<double>(quality.blend.maxRadius) + 1.0) : margin;
 }
 
+/// Whether gaps of a pixel are taken for filled when hidden tiles are looked for. Meshes have gaps at silhouettes
+/// alone, and what is seen through those is not for the filler to make up.
+bool closesGaps(const Quality& quality) {
+    const bool isOfSamples = quality.warp == Warp::points || quality.warp == Warp::splats;
+    return isOfSamples && quality.holes.radius > 0;
+}
+
 constexpr std::size_t kFirstBlendDraws = 4096;
 
 constexpr VkPipelineStageFlags kCompute = VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT;
@@ -327,7 +334,7 @@ void Renderer::recordClearAndWarp(VkCommandBuffer commands, Eye& eye, const Qual
     eye.timers[slot].mark(commands, "clear");
 
     recordWarpInBatches(commands, occlusion_, warps_, scene_, eye.warped().sets[slot], eye.warped(), eye.list.runs,
-                        eye.warpWidth, eye.warpHeight, quality.holes.radius > 0);
+                        eye.warpWidth, eye.warpHeight, closesGaps(quality));
     record(commands, kAfterWarp);
     eye.timers[slot].mark(commands, "warp");
 }
@@ -341,7 +348,7 @@ void Renderer::recordOnePass(VkCommandBuffer commands, const Quality& quality, s
 
     recordStereoWarp(commands, *stereo_, occlusion_, scene_,
                      {eyes_[0].warped().sets[slot], eyes_[1].warped().sets[slot]}, *stereoTarget_, slot, pairs_.runs,
-                     eyes_[0].warpWidth, eyes_[0].warpHeight, quality.holes.radius > 0);
+                     eyes_[0].warpWidth, eyes_[0].warpHeight, closesGaps(quality));
     record(commands, kAfterWarp);
     timer.markBoth(commands, "warp");
 }

@@ -17,16 +17,19 @@ uint disparityAt(int x, int y)
     return texelFetch(zTexels, clamp(y, 0, last.y) * constants.width + clamp(x, 0, last.x)).y;
 }
 
-/// Of the pixels of a row of a block, the greatest of each and of those beside it.
-void readAcross(int x, int y, out uint across[kOccluderSide])
+const int kRowReach = kOccluderSide + 2; // a row of a block, and the pixels beside it
+
+void readRow(int x, int y, out uint row[kRowReach])
 {
-    uint before = disparityAt(x - 1, y), here = disparityAt(x, y);
-    for (int i = 0; i < kOccluderSide; ++i) {
-        uint next = disparityAt(x + i + 1, y);
-        across[i] = max(here, max(before, next));
-        before = here;
-        here = next;
-    }
+    for (int i = 0; i < kRowReach; ++i) row[i] = disparityAt(x - 1 + i, y);
+}
+
+/// Of two opposite neighbours the farther, of the four pairs the nearest: what the hole filler may put between them. In
+/// a gap beside a silhouette that is the surface behind, never the one before.
+uint between(uint above[kRowReach], uint here[kRowReach], uint below[kRowReach], int i)
+{
+    return max(max(min(here[i - 1], here[i + 1]), min(above[i], below[i])),
+               max(min(above[i - 1], below[i + 1]), min(above[i + 1], below[i - 1])));
 }
 
 uint leastOf(ivec2 first)
@@ -40,16 +43,14 @@ uint leastOf(ivec2 first)
 uint leastOfClosed(ivec2 first)
 {
     uint least = 0xffffffffu;
-    uint above[kOccluderSide], here[kOccluderSide], below[kOccluderSide];
-    readAcross(first.x, first.y - 1, above);
-    readAcross(first.x, first.y, here);
+    uint above[kRowReach], here[kRowReach], below[kRowReach];
+    readRow(first.x, first.y - 1, above);
+    readRow(first.x, first.y, here);
     for (int y = 1; y <= kOccluderSide && least > 0u; ++y) {
-        readAcross(first.x, first.y + y, below);
-        for (int x = 0; x < kOccluderSide; ++x) {
-            least = min(least, max(here[x], max(above[x], below[x])));
-            above[x] = here[x];
-            here[x] = below[x];
-        }
+        readRow(first.x, first.y + y, below);
+        for (int x = 1; x <= kOccluderSide; ++x) least = min(least, max(here[x], between(above, here, below, x)));
+        above = here;
+        here = below;
     }
     return least;
 }

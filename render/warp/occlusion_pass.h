@@ -33,7 +33,7 @@ std::span<const DrawRun> takeBatch(std::span<const DrawRun>& runs);
 std::vector<PassedRun> nonePassed(std::span<const DrawRun> batch);
 
 /// Draws the runs, batch after batch. The z-buffer must be clear, and is finished behind the caller's next barrier.
-/// closesGaps: what is behind gaps of one or two pixels is left out, too.
+/// closesGaps: what is behind gaps of one pixel within a surface is left out, too.
 void recordWarpInBatches(VkCommandBuffer commands, const OcclusionPass& pass, const WarpPasses& warps,
                          const GpuScene& scene, VkDescriptorSet eyeSet, const EyeTarget& target,
                          std::span<const DrawRun> runs, int width, int height, bool closesGaps);

@@ -41,7 +41,7 @@ StereoPass makeStereoPass(const Device& device, VkDescriptorSetLayout pageLayout
 StereoTarget makeStereoTarget(const Device& device, const StereoPass& pass, std::size_t mostPairs);
 
 /// Draws the runs, batch after batch, into the z-buffers of both eyes, which must be clear, and are finished behind the
-/// caller's next barrier. closesGaps: what is behind gaps of one or two pixels is left out, too.
+/// caller's next barrier. closesGaps: what is behind gaps of one pixel within a surface is left out, too.
 void recordStereoWarp(VkCommandBuffer commands, const StereoPass& pass, const OcclusionPass& occlusion,
                       const GpuScene& scene, const std::array<VkDescriptorSet, kMaxEyes>& eyeSets,
                       const StereoTarget& target, std::size_t slot, std::span<const DrawRun> runs, int width,

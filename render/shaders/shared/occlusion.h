@@ -19,8 +19,8 @@ SHARED_CONSTANT int kMostOccluders = 256;
 struct OccluderConstants {
     int width; ///< of the eye's image, pixels
     int height;
-    int closesGaps; ///< 1: a pixel counts as its nearest neighbour, so that gaps of one or two pixels hide what is
-                    ///< behind them; 0: exact
+    int closesGaps; ///< 1: a pixel counts as what stands to both sides of it, so that gaps of one pixel within a
+                    ///< surface hide what is behind them; 0: exact
     int isAgain;    ///< 1: only blocks with nothing in some pixel yet are looked at. The others hide no less than they
                     ///< did, and what is drawn later is farther, so that they hardly hide more
 };
