@@ -207,6 +207,23 @@ TEST(JointImages, WithoutAnythingInCommonNothingMoves) {
     EXPECT_EQ(found.before.agreeing, 0);
 }
 
+TEST(JointImages, PicturesOfHardlyAPixelDisturbNobody) {
+    std::vector<DepthImage> images = taken(truth(), 9);
+    for (const int size : {1, 2, 3, 5}) {
+        const Camera tiny = resized(fineCamera(), size, size);
+        images.push_back(imageOf(tiny, truth()[0].worldFromCamera, [](double, double) { return 0.5; }));
+    }
+    std::vector<ImageSketch> sketches;
+    std::vector<ImageOutline> outlines;
+    for (const DepthImage& image : images) {
+        sketches.push_back(sketchOf(image, 2)); // the smallest is then nothing
+        outlines.push_back(outlineOf(sketches.back().depth));
+    }
+    const JointImages found = layImagesOnEachOther(sketches, 2, findPartners(outlines, 0.1f), {});
+    for (std::size_t i = 0; i < images.size(); ++i)
+        EXPECT_TRUE(areSame(found.worldFromCameras[i], images[i].worldFromCamera)) << i;
+}
+
 TEST(ImageSketch, ASampleStandsWhereItsSquareStood) {
     const Camera camera = smallCamera();
     const auto disparity = [&](double x, double y) { return planeDisparity(camera, {0.3, 0.2, 0.9}, 2.0, x, y); };
