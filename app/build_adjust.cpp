@@ -63,7 +63,7 @@ std::string keyOfAdjustment(const scene::Capture& capture, const std::vector<std
                           photo.depthUnitMetres});
     }
     return keyOf({kAdjustVersion, photos, heldOut, shrink, kLeastShare, o.maxPartners, o.samplesPerPair,
-                  o.leastAgreeing, o.passes, o.prior, o.mostMoved, o.mostAgainst, o.leastPixels,
+                  o.leastAgreeing, o.passes, o.damping, o.mostMoved, o.mostAgainst, o.leastPixels,
                   o.comparison.sameSurface, o.comparison.pixelError});
 }
 
@@ -123,12 +123,14 @@ scene::JointImages adjust(const scene::Capture& capture, const std::vector<std::
     const std::size_t count = capture.photos.size();
     std::vector<scene::ImageSketch> sketches(count);
     std::vector<scene::ImageOutline> outlines(count);
-    Progress reading("sketches", count);
-    tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
-        sketches[i] = scene::sketchOf(scene::readPhoto(capture.photos[i]), shrink);
-        outlines[i] = outlineOf(sketches[i].depth);
-        reading.advance();
-    });
+    {
+        Progress reading("sketches", count);
+        tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
+            sketches[i] = scene::sketchOf(scene::readPhoto(capture.photos[i]), shrink);
+            outlines[i] = outlineOf(sketches[i].depth);
+            reading.advance();
+        });
+    }
     std::vector<std::uint8_t> isFollower(count, 0);
     for (const std::size_t i : heldOut)
         isFollower[i] = 1;
@@ -141,15 +143,19 @@ scene::JointImages adjust(const scene::Capture& capture, const std::vector<std::
 
 json adjustPoses(scene::Capture& capture, const std::vector<std::size_t>& heldOut, const BuildOptions& options,
                  StageStore& store) {
-    if (!options.movesPhotographs() || capture.photos.size() < 2 || !capture.scans.empty()) return nullptr;
+    if (!options.movesPhotographs() || capture.photos.size() < 2) return nullptr;
     const auto remark = [&](const std::string& sentence) {
         std::fprintf(stderr, "note: %s\n", sentence.c_str());
         capture.remarks.push_back(sentence);
     };
+    if (!capture.scans.empty()) {
+        remark("Photographs stand where they are said to stand: beside scans they are not laid on each other.");
+        return nullptr;
+    }
     const std::optional<int> shrink = shrinkFor(capture, options.memoryBytes / 2);
     if (!shrink) {
         remark("Photographs stand where they are said to stand: " + std::to_string(capture.photos.size()) +
-               " are too many to be laid on each other within --memory.");
+               " are too many to be laid on each other within --memory; give more.");
         return nullptr;
     }
     const scene::JointImagesOptions o;

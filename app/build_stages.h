@@ -41,9 +41,10 @@ nlohmann::json describeReading(const scene::ScanSource& scan);
 /// there is to say into its remarks. Returns the report that scene.json and info have; null where nothing was done.
 nlohmann::json registerCapture(scene::Capture& capture, const BuildOptions& options, StageStore& store);
 
-/// align, too: where photographs with range stand, unless BuildOptions::registration is given. Those held out are laid
-/// on the others, which know nothing of them. Puts what it finds into the capture's photos, and what there is to say
-/// into its remarks. Returns the report that scene.json and info have; null where nothing was done.
+/// align, too: where photographs with range stand in captures without scans, unless BuildOptions::registration is
+/// given. Those held out are laid on the others, which know nothing of them. Puts what it finds into the capture's
+/// photos, and what there is to say into its remarks. Returns the report that scene.json and info have; null where
+/// nothing was done.
 nlohmann::json adjustPoses(scene::Capture& capture, const std::vector<std::size_t>& heldOut,
                            const BuildOptions& options, StageStore& store);
 

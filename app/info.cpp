@@ -81,12 +81,17 @@ void printPoses(const json& poses) {
     if (poses.is_null()) return;
     const double before = poses.at("before").at("range_share"), after = poses.at("after").at("range_share");
     const int adjusted = poses.at("adjusted");
+    if (poses.at("before").at("samples") == 0) {
+        std::printf("  poses      as given: photographs have nothing in common to be laid on each other by\n");
+        return;
+    }
     if (adjusted == 0) {
         std::printf("  poses      as given%s: surfaces lie on each other to %.3f %% of their range\n",
                     poses.at("worse").get<bool>() ? ", nothing fits better" : "", 100 * before);
         return;
     }
-    std::printf("  poses      of %d of %zu photographs adjusted, by %.1f mm and %.2f degrees, at most %.1f and %.2f: "
+    std::printf("  poses      of %d of %zu photographs adjusted, in the mean by %.1f mm and %.2f degrees, at most %.1f "
+                "and %.2f: "
                 "surfaces lie on each other to %.3f %% of their range and %.2f %% of them where another saw through, "
                 "as given %.3f and %.2f\n",
                 adjusted, poses.at("images").size(), 1e3 * poses.at("mean_m").get<double>(),

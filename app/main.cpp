@@ -126,7 +126,8 @@ void addBuild(CLI::App& program, app::BuildOptions& options, std::string& memory
         ->add_option("--register", options.registration,
                      "where scans and photographs stand: given, as their files say; auto, found by what they have in "
                      "common; or a JSON file of places on planes that two scans share. Without it scans stay as "
-                     "given, and photographs with range are laid on each other from where they are said to stand")
+                     "given, and photographs with range (of captures without scans) are laid on each other from where "
+                     "they are said to stand")
         ->type_name("given|auto|FILE");
     build->add_option("--scanner", options.scanner,
                       "scans of a panning scanner are read anew with the constants in this file, which 'revisit "

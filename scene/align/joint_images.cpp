@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
@@ -136,10 +137,10 @@ double step(const Problem& problem, const AllSums& all, std::vector<Pose>& poses
     };
     for (std::size_t i = 0; i < poses.size(); ++i) {
         if (problem.isFree[i]) {
-            const double turn = 1 / problem.options.prior, way = turn / std::max(problem.ranges[i], 1e-6);
-            Eigen::Matrix<double, 6, 1> prior;
-            prior << way, way, way, turn, turn, turn;
-            put(i, i, prior.cwiseAbs2().asDiagonal());
+            const double turn = 1 / problem.options.damping, way = turn / std::max(problem.ranges[i], 1e-6);
+            Eigen::Matrix<double, 6, 1> damping;
+            damping << way, way, way, turn, turn, turn;
+            put(i, i, damping.cwiseAbs2().asDiagonal());
         }
         for (std::size_t k = 0; k < problem.partners[i].size(); ++k) {
             const ImagePairSums& pair = all.ofPairs[i][k];
@@ -393,6 +394,7 @@ JointImages layImagesOnEachOther(const std::vector<ImageSketch>& sketches, int s
     const Apartness before = result.before, after = result.after;
     const std::vector<Pose> followed = placed(problem, led, result, {});
     result.before = before, result.after = after;
+    if (std::exchange(result.isWorse, false)) return result; // those that follow stay where they were
     for (std::size_t i = 0; i < count; ++i)
         if (problem.isFree[i]) result.worldFromCameras[i] = followed[i], result.places[i] = ImagePlace::adjusted;
     return result;

@@ -21,7 +21,7 @@ struct JointImagesOptions {
     int samplesPerPair = 1200; ///< looked at
     int leastAgreeing = 60;    ///< samples of a pair: fewer tell nothing
     int passes = 20;           ///< over each size of greys, at most
-    double prior = 0.05;       ///< how far poses are off, of the range and in radians: holds what overlaps leave open
+    double damping = 0.05;     ///< of the range and in radians: what overlaps leave open takes no longer steps
     double mostMoved = 0.15;   ///< of the range, or radians: an image that goes so far has strayed,
     double mostAgainst = 0.15; ///< or if others saw through so much of it
     double leastPixels = 0.25; ///< capture is right, and stays as it is, if 19 of 20 pairs move by less

@@ -118,7 +118,7 @@ TEST_F(Poses, ThoseThatAreOffAreAdjusted) {
     EXPECT_GT(before, 0.015);
     EXPECT_LT(errorOf(posesOf("found.revisit"), saidBy("true")), 0.1 * before);
     const Outcome told = run({kRevisit, "info", path("found.revisit")}, folder());
-    EXPECT_THAT(told.output, HasSubstr("poses      of 36 of 36 photographs adjusted, by "));
+    EXPECT_THAT(told.output, HasSubstr("poses      of 36 of 36 photographs adjusted, in the mean by "));
 }
 
 TEST_F(Poses, ThoseThatAreRightOrGivenForGoodStayAsTheyAre) {
@@ -133,7 +133,7 @@ TEST_F(Poses, ThoseThatAreRightOrGivenForGoodStayAsTheyAre) {
     ASSERT_EQ(build("true", "right.revisit").status, 0);
     expectAsSaid("right.revisit", "true");
     const Outcome told = run({kRevisit, "info", path("right.revisit")}, folder());
-    EXPECT_THAT(told.output, ContainsRegex("poses      as given.*: surfaces lie on each other to 0\\."));
+    EXPECT_THAT(told.output, ContainsRegex("poses      as given.*: surfaces lie on each other to 0\\.0[0-9]*[1-9]"));
     const Outcome given = build("off", "given.revisit", {"--register", "given"});
     EXPECT_THAT(given.output, Not(HasSubstr("poses")));
     expectAsSaid("given.revisit", "off");
@@ -144,6 +144,7 @@ TEST_F(Poses, WhatIsHeldOutIsFollowedAndChangesNothing) {
     ASSERT_EQ(build("off", "held.revisit", {"--hold-out", "every:12:5"}).status, 0);
     const std::vector<scene::Pose> kept = posesOf("held.revisit"), out = posesOf("held.revisit", "held_out");
     const std::vector<scene::Pose> truth = saidBy("true");
+    ASSERT_EQ(out.size(), 3u);
     for (std::size_t i = 0; i < out.size(); ++i) {
         // Held out are 5, 17 and 29: of the others 4, 15 and 26 come right before them.
         const scene::Pose is = inverse(kept[11 * i + 4]) * out[i],
