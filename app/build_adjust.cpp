@@ -23,7 +23,7 @@ namespace {
 using nlohmann::json;
 
 /// Changed whenever what the stage finds changes, so that results of older versions are not taken for new ones.
-constexpr int kAdjustVersion = 1;
+constexpr int kAdjustVersion = 2;
 constexpr int kPixelsAcross = 400;  ///< of a sketch, about: finer ones hold poses no better
 constexpr int kFewestAcross = 100;  ///< coarser ones hold them worse than they are given
 constexpr float kLeastShare = 0.1f; ///< of an image, that a partner must see of it
@@ -51,17 +51,8 @@ std::optional<int> shrinkFor(const scene::Capture& capture, std::size_t bytes) {
 std::string keyOfAdjustment(const scene::Capture& capture, const std::vector<std::size_t>& heldOut, int shrink,
                             const scene::JointImagesOptions& o) {
     json photos = json::array();
-    for (const scene::PhotoSource& photo : capture.photos) {
-        const scene::Camera& c = photo.camera;
-        const scene::Distortion& d = photo.distortion;
-        photos.push_back({photo.name,
-                          fingerprintOf(photo.colourPath),
-                          fingerprintOf(photo.depthPath),
-                          {c.width, c.height, c.fx, c.fy, c.cx, c.cy},
-                          {d.k1, d.k2, d.p1, d.p2, d.k3},
-                          scene::rowMajor(photo.worldFromCamera),
-                          photo.depthUnitMetres});
-    }
+    for (const scene::PhotoSource& photo : capture.photos)
+        photos.push_back(describeSource(photo));
     return keyOf({kAdjustVersion, photos, heldOut, shrink, kLeastShare, o.maxPartners, o.samplesPerPair,
                   o.leastAgreeing, o.passes, o.damping, o.mostMoved, o.mostAgainst, o.leastPixels,
                   o.comparison.sameSurface, o.comparison.pixelError});

@@ -35,16 +35,8 @@ json describe(const scene::Pose& pose) {
 std::string keyOfPhoto(const scene::PhotoSource& photo, const BuildOptions& options) {
     const scene::DropoutOptions& dropouts = options.dropouts;
     const scene::GuessOptions& guesses = options.guesses;
-    const scene::Camera& c = photo.camera;
-    const scene::Distortion& d = photo.distortion;
     return keyOf({kImportVersion,
-                  photo.name,
-                  fingerprintOf(photo.colourPath),
-                  fingerprintOf(photo.depthPath),
-                  {c.width, c.height, c.fx, c.fy, c.cx, c.cy},
-                  {d.k1, d.k2, d.p1, d.p2, d.k3},
-                  describe(photo.worldFromCamera),
-                  photo.depthUnitMetres,
+                  describeSource(photo),
                   {dropouts.radius, dropouts.sameSurface, dropouts.minSamples},
                   {guesses.radius, guesses.step, guesses.colourStep, guesses.sameSurface, guesses.minSamples}});
 }
@@ -96,6 +88,18 @@ scene::StoredImage storedImage(const std::filesystem::path& file) {
 }
 
 } // namespace
+
+json describeSource(const scene::PhotoSource& photo) {
+    const scene::Camera& c = photo.camera;
+    const scene::Distortion& d = photo.distortion;
+    return {photo.name,
+            fingerprintOf(photo.colourPath),
+            fingerprintOf(photo.depthPath),
+            {c.width, c.height, c.fx, c.fy, c.cx, c.cy},
+            {d.k1, d.k2, d.p1, d.p2, d.k3},
+            describe(photo.worldFromCamera),
+            photo.depthUnitMetres};
+}
 
 json describeReading(const scene::ScanSource& scan) {
     if (!scan.reading) return nullptr;

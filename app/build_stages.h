@@ -34,6 +34,8 @@ struct PolygonFigures {
 void standWhereFound(scene::Scan& scan, const scene::ScanSource& source);
 /// A scan from its file, with what was found of it.
 scene::Scan readScan(const scene::ScanSource& source);
+/// What the keys of stages must know of a photograph's files, camera and pose.
+nlohmann::json describeSource(const scene::PhotoSource& photo);
 /// What of its reading the keys of stages must know.
 nlohmann::json describeReading(const scene::ScanSource& scan);
 

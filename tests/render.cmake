@@ -13,6 +13,7 @@ revisit_test(revisit_render_tests LABELS gpu LINKS revisit_render_scenes TBB::tb
         render/extremes_test.cpp
         render/hole_fill_test.cpp
         render/hole_words_test.cpp
+        render/occluders_test.cpp
         render/mesh_test.cpp
         render/oracle_test.cpp
         render/overlay_test.cpp

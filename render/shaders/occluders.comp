@@ -24,14 +24,6 @@ void readRow(int x, int y, out uint row[kRowReach])
     for (int i = 0; i < kRowReach; ++i) row[i] = disparityAt(x - 1 + i, y);
 }
 
-/// Of two opposite neighbours the farther, of the four pairs the nearest: what the hole filler may put between them. In
-/// a gap beside a silhouette that is the surface behind, never the one before.
-uint between(uint above[kRowReach], uint here[kRowReach], uint below[kRowReach], int i)
-{
-    return max(max(min(here[i - 1], here[i + 1]), min(above[i], below[i])),
-               max(min(above[i - 1], below[i + 1]), min(above[i + 1], below[i - 1])));
-}
-
 uint leastOf(ivec2 first)
 {
     uint least = 0xffffffffu;
@@ -48,7 +40,9 @@ uint leastOfClosed(ivec2 first)
     readRow(first.x, first.y, here);
     for (int y = 1; y <= kOccluderSide && least > 0u; ++y) {
         readRow(first.x, first.y + y, below);
-        for (int x = 1; x <= kOccluderSide; ++x) least = min(least, max(here[x], between(above, here, below, x)));
+        for (int x = 1; x <= kOccluderSide; ++x)
+            least = min(least, closedDisparity(here[x], uvec2(here[x - 1], here[x + 1]), uvec2(above[x], below[x]),
+                                               uvec2(above[x - 1], below[x + 1]), uvec2(above[x + 1], below[x - 1])));
         above = here;
         here = below;
     }

@@ -31,7 +31,7 @@ Slope slopeAt(const Image<float>& picture, double u, double v) {
 
 /// Slopes of disparity over a few samples, where those are of one surface: noise of neighbours would turn normals, and
 /// normals that are turned at random hold an image where it is.
-void smoothSlope(const DepthImage& image, double u, double v, const ComparisonOptions& options, Slope& slope) {
+void widenSlope(const DepthImage& image, double u, double v, const ComparisonOptions& options, Slope& slope) {
     const int x = static_cast<int>(u), y = static_cast<int>(v);
     if (x < kAbout || y < kAbout || x + kAbout >= image.camera.width || y + kAbout >= image.camera.height) return;
     const auto across = [&](int dx, int dy, double& d) {
@@ -110,7 +110,7 @@ ImagePairSums comparePair(const ImageSketch& a, const Pose& worldFromA, const Im
             const glm::dvec3 q = bFromWorld * p, arm = p - pivotInWorld;
             // b's surface about there is the plane n . q = 1, since disparity is linear over the picture of a plane.
             Slope surface = slopeAt(b.depth.disparity, u, v);
-            smoothSlope(b.depth, u, v, options.comparison, surface);
+            widenSlope(b.depth, u, v, options.comparison, surface);
             glm::dvec3 n(surface.du * to.fx, surface.dv * to.fy, 0);
             n.z = surface.value - n.x * (u - to.cx) / to.fx - n.y * (v - to.cy) / to.fy;
             const double perMetre = surface.value / glm::length(n); // the distance in parts of the range

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <opencv2/imgproc.hpp>
+
 namespace scene {
 
 namespace {
@@ -15,36 +17,29 @@ constexpr int kBroad = 8;            ///< pixels of a level, each way: the mean 
 constexpr int kNoise = 1; ///< the same, twice: what is finer is noise, whose slopes would hold poses where they are
 constexpr double kDark = 0.02; ///< of full light: below it differences are noise
 
-/// Mean over (2 radius + 1) squared pixels, fewer at the rims: running sums along rows, then along columns.
+/// OpenCV has no pictures that are lent for reading alone; nothing writes to this one.
+cv::Mat1f lent(const Image<float>& grey) {
+    return {grey.height(), grey.width(), const_cast<float*>(grey.pixels().data())};
+}
+
+/// Mean over (2 radius + 1) squared pixels; beyond the rims the rims go on.
 Image<float> blurred(const Image<float>& grey, int radius) {
-    const int width = grey.width(), height = grey.height();
-    Image<float> along(width, height), result(width, height);
-    const auto run = [radius](int length, const auto& from, const auto& to) {
-        double sum = 0;
-        for (int k = 0; k < std::min(radius, length); ++k)
-            sum += static_cast<double>(from(k));
-        for (int k = 0; k < length; ++k) {
-            if (k + radius < length) sum += static_cast<double>(from(k + radius));
-            if (k - radius > 0) sum -= static_cast<double>(from(k - radius - 1));
-            const int count = std::min(k + radius, length - 1) - std::max(k - radius, 0) + 1;
-            to(k) = static_cast<float>(sum / count);
-        }
-    };
-    for (int y = 0; y < height; ++y)
-        run(
-            width, [&](int x) { return grey(x, y); }, [&](int x) -> float& { return along(x, y); });
-    for (int x = 0; x < width; ++x)
-        run(
-            height, [&](int y) { return along(x, y); }, [&](int y) -> float& { return result(x, y); });
+    Image<float> result(grey.width(), grey.height());
+    if (!grey.empty()) {
+        cv::Mat1f to = lent(result);
+        cv::blur(lent(grey), to, {2 * radius + 1, 2 * radius + 1}, {-1, -1}, cv::BORDER_REPLICATE);
+    }
     return result;
 }
 
+/// Each pixel the mean of four; the last of an odd number is left out.
 Image<float> halved(const Image<float>& grey) {
     Image<float> half(grey.width() / 2, grey.height() / 2);
-    for (int y = 0; y < half.height(); ++y)
-        for (int x = 0; x < half.width(); ++x)
-            half(x, y) = 0.25f * (grey(2 * x, 2 * y) + grey(2 * x + 1, 2 * y) + grey(2 * x, 2 * y + 1) +
-                                  grey(2 * x + 1, 2 * y + 1));
+    if (!half.empty()) {
+        cv::Mat1f to = lent(half);
+        cv::resize(lent(grey)(cv::Rect(0, 0, 2 * half.width(), 2 * half.height())), to, to.size(), 0, 0,
+                   cv::INTER_AREA);
+    }
     return half;
 }
 

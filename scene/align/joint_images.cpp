@@ -250,8 +250,8 @@ Indices strayed(const Problem& problem, const std::vector<Pose>& given, const st
     return result;
 }
 
-/// How far an image has moved, pixels of its sketch.
-double pixelsMoved(const Problem& problem, std::size_t i, const Pose& given, const Pose& found) {
+/// How far an image itself has moved, pixels of its sketch.
+double ownMove(const Problem& problem, std::size_t i, const Pose& given, const Pose& found) {
     const double way = glm::length(found.translation - given.translation) / std::max(problem.ranges[i], 1e-6);
     const double turn = std::acos(std::clamp(cosineBetween(found.rotation, given.rotation), -1.0, 1.0));
     return problem.sketches[i].depth.camera.fx * std::max(way, turn);
@@ -292,7 +292,7 @@ Indices loose(const Problem& problem, const std::vector<Pose>& given, const std:
     const std::vector<double> deviations = deviationsOf(problem, found, after);
     std::vector<double> moves;
     for (std::size_t i = 0; i < given.size(); ++i)
-        if (problem.isFree[i]) moves.push_back(pixelsMoved(problem, i, given[i], found[i]));
+        if (problem.isFree[i]) moves.push_back(ownMove(problem, i, given[i], found[i]));
     const double most = std::max(kLoosePixels, kLooseShare * medianOf(moves));
     Indices result;
     for (std::size_t i = 0; i < given.size(); ++i)
@@ -377,13 +377,10 @@ JointImages layImagesOnEachOther(const std::vector<ImageSketch>& sketches, int s
         if (problem.isFree[i]) result.worldFromCameras[i] = found[i], result.places[i] = ImagePlace::adjusted;
 
     // Those that the others must not know of are laid on them as they now stand.
-    std::vector<Pose> led = result.worldFromCameras;
+    const std::vector<Pose> led = result.worldFromCameras;
     for (std::size_t i = 0; i < count; ++i) {
         problem.isFree[i] = 0, problem.partners[i].clear();
-        if (isLeader[i]) {
-            isLeader[i] = result.places[i] != ImagePlace::strayed && result.places[i] != ImagePlace::loose;
-            continue;
-        }
+        if (result.places[i] == ImagePlace::strayed || result.places[i] == ImagePlace::loose) isLeader[i] = 0;
     }
     for (std::size_t i = 0; i < isFollower.size(); ++i) {
         if (!isFollower[i]) continue;

@@ -119,6 +119,8 @@ TEST_F(EdgeCases, WhatHiddenTilesAreLeftOutOfIsTheSamePicture) {
                 const scene::View view{kEye, poseAt({0.3 * i - 0.9, 0.1 * i - 0.3, 0.2}, 1.1 * i, 0.1 * i - 0.2)};
                 Quality with, without;
                 with.warp = warp, with.preference.nearBaseline = nearBaseline, with.maxFootprint = 1 + i;
+                // Meshes have gaps at silhouettes alone, and what is seen through those is no matter of filling.
+                if (warp == Warp::mesh || warp == Warp::adaptive) with.holes.radius = i % 2 == 0 ? 0 : 4;
                 without = with;
                 without.leavesOutHidden = false;
                 EXPECT_TRUE(isSame(draw(view, with), draw(view, without))) << static_cast<int>(warp) << " " << i;

@@ -41,6 +41,14 @@ struct PassedRun {
 };
 SHARED_CONSTANT uint kSplatRun = 0x80000000u; ///< span.x of its draws is a radius
 
+/// What a pixel counts as where gaps are closed: what stands there, or of two opposite neighbours the farther, of the
+/// four pairs the nearest. The hole filler may put that between them: within a surface its own, and in a gap beside a
+/// silhouette the surface behind, never the one before.
+SHARED_FUNCTION uint closedDisparity(uint here, uvec2 across, uvec2 upright, uvec2 falling, uvec2 rising) {
+    return max(here, max(max(min(across.x, across.y), min(upright.x, upright.y)),
+                         max(min(falling.x, falling.y), min(rising.x, rising.y))));
+}
+
 SHARED_FUNCTION int occludersAlong(int pixels) {
     return (pixels + kOccluderSide - 1) / kOccluderSide;
 }
