@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include <Eigen/Eigenvalues>
@@ -20,7 +21,8 @@ namespace {
 
 using Indices = std::vector<std::uint32_t>;
 
-constexpr int kRounds = 8;              ///< as often strayed images are taken out
+constexpr int kRounds = 8;              ///< as often strayed images are taken out,
+constexpr int kPatientRounds = 5;       ///< so often the worst of them first
 constexpr double kDeviations = 3;       ///< of the residuals: what is farther off counts less
 constexpr double kPerMedian = 1.4826;   ///< a normal distribution's deviation, over its median size
 constexpr double kSharpestRange = 3e-4; ///< deviations that are never believed to be less: of the range,
@@ -187,36 +189,62 @@ bool isInside(const Camera& camera, float u, float v) {
     return u >= 0 && v >= 0 && u <= static_cast<float>(camera.width) && v <= static_cast<float>(camera.height);
 }
 
-/// Of all pairs, how far samples are seen elsewhere in the other image than they were: root mean squares, pixels of the
-/// sketch.
-double pixelsMoved(const Problem& problem, const std::vector<Pose>& before, const std::vector<Pose>& after) {
-    std::vector<double> moves;
+/// How far samples of a are seen elsewhere in b than they were: root mean squares, pixels of the sketch; nothing if
+/// none are seen there.
+std::optional<double> pixelsMoved(const DepthImage& a, const DepthImage& b, const Reprojection& then,
+                                  const Reprojection& now) {
+    double squares = 0;
+    int count = 0;
+    for (int row = 0; row < kGridRows; ++row)
+        for (int column = 0; column < kGridColumns; ++column) {
+            const int x = (2 * column + 1) * a.camera.width / (2 * kGridColumns);
+            const int y = (2 * row + 1) * a.camera.height / (2 * kGridRows);
+            if (!isSurface(a.flags(x, y))) continue;
+            const float u = static_cast<float>(x) + 0.5f, v = static_cast<float>(y) + 0.5f;
+            const Sighting was = sightingOf(then, u, v, a.disparity(x, y));
+            const Sighting is = sightingOf(now, u, v, a.disparity(x, y));
+            if (!(was.w > 0) || !(is.w > 0) || !isInside(b.camera, was.u, was.v)) continue;
+            squares += std::pow(static_cast<double>(is.u - was.u), 2) + std::pow(static_cast<double>(is.v - was.v), 2);
+            ++count;
+        }
+    if (count == 0) return std::nullopt;
+    return std::sqrt(squares / count);
+}
+
+/// How far pairs moved: each, and those of each image. An image that alone was wrong has moved against all it has a
+/// pair with; its neighbours only against it.
+struct Moves {
+    std::vector<double> all;
+    std::vector<std::vector<double>> ofImages;
+
+    double most() const {
+        if (all.empty()) return 0;
+        std::vector<double> sorted = all;
+        const auto at = sorted.begin() + static_cast<std::ptrdiff_t>(kMostPairs * static_cast<double>(all.size() - 1));
+        std::nth_element(sorted.begin(), at, sorted.end());
+        return *at;
+    }
+    double ofImage(std::size_t i) const {
+        std::vector<double> own = ofImages[i];
+        return medianOf(own);
+    }
+};
+
+Moves movesOf(const Problem& problem, const std::vector<Pose>& before, const std::vector<Pose>& after) {
+    Moves moves;
+    moves.ofImages.resize(before.size());
     for (std::size_t i = 0; i < before.size(); ++i)
         for (const std::uint32_t other : problem.partners[i]) {
             const DepthImage &a = problem.sketches[i].depth, &b = problem.sketches[other].depth;
-            const Reprojection then = reprojectionInto(b.camera, before[other], a.camera, before[i]);
-            const Reprojection now = reprojectionInto(b.camera, after[other], a.camera, after[i]);
-            double squares = 0;
-            int count = 0;
-            for (int row = 0; row < kGridRows; ++row)
-                for (int column = 0; column < kGridColumns; ++column) {
-                    const int x = (2 * column + 1) * a.camera.width / (2 * kGridColumns);
-                    const int y = (2 * row + 1) * a.camera.height / (2 * kGridRows);
-                    if (!isSurface(a.flags(x, y))) continue;
-                    const float u = static_cast<float>(x) + 0.5f, v = static_cast<float>(y) + 0.5f;
-                    const Sighting was = sightingOf(then, u, v, a.disparity(x, y));
-                    const Sighting is = sightingOf(now, u, v, a.disparity(x, y));
-                    if (!(was.w > 0) || !(is.w > 0) || !isInside(b.camera, was.u, was.v)) continue;
-                    squares +=
-                        std::pow(static_cast<double>(is.u - was.u), 2) + std::pow(static_cast<double>(is.v - was.v), 2);
-                    ++count;
-                }
-            if (count > 0) moves.push_back(std::sqrt(squares / count));
+            const std::optional<double> move =
+                pixelsMoved(a, b, reprojectionInto(b.camera, before[other], a.camera, before[i]),
+                            reprojectionInto(b.camera, after[other], a.camera, after[i]));
+            if (!move) continue;
+            moves.all.push_back(*move);
+            moves.ofImages[i].push_back(*move);
+            moves.ofImages[other].push_back(*move);
         }
-    if (moves.empty()) return 0;
-    const auto most = moves.begin() + static_cast<std::ptrdiff_t>(kMostPairs * static_cast<double>(moves.size() - 1));
-    std::nth_element(moves.begin(), most, moves.end());
-    return *most;
+    return moves;
 }
 
 std::vector<Say> saysOf(const AllSums& all) {
@@ -234,13 +262,13 @@ bool wentTooFar(const Problem& problem, std::size_t i, const Pose& given, const 
 }
 
 /// Free images that went too far, away from the others, or stand where others saw through them; of the last kind the
-/// worst alone, since one makes its neighbours look wrong, too.
+/// worst alone, since one makes its neighbours look wrong, too; or all, where there are too many to wait for.
 Indices strayed(const Problem& problem, const std::vector<Pose>& given, const std::vector<Pose>& found,
-                const AllSums& before, const AllSums& after) {
+                const AllSums& before, const AllSums& after, bool isWorstAlone) {
     const std::vector<Say> then = saysOf(before), now = saysOf(after);
     double most = problem.options.mostAgainst;
     for (std::size_t i = 0; i < now.size(); ++i)
-        if (problem.isFree[i]) most = std::max(most, kNearWorst * now[i].againstShare());
+        if (problem.isFree[i] && isWorstAlone) most = std::max(most, kNearWorst * now[i].againstShare());
     Indices result;
     for (std::size_t i = 0; i < now.size(); ++i) {
         const bool isAway = static_cast<double>(now[i].agreeing) < kLeftAlone * static_cast<double>(then[i].agreeing);
@@ -312,7 +340,7 @@ std::vector<Pose> placed(Problem& problem, const std::vector<Pose>& given, Joint
         result.before = apartnessOf(before);
         result.after = apartnessOf(after);
         ImagePlace place = ImagePlace::strayed;
-        Indices out = strayed(problem, given, found, before, after);
+        Indices out = strayed(problem, given, found, before, after, round < kPatientRounds);
         if (out.empty()) place = ImagePlace::loose, out = loose(problem, given, found, after);
         if (out.empty()) return found;
         for (const std::uint32_t i : out) {
@@ -336,6 +364,33 @@ bool isBetter(const Apartness& before, const Apartness& after) {
     return !isWorse &&
            (isLess(after.range, before.range, kSharpestRange) || isLess(after.grey, before.grey, kSharpestGrey) ||
             after.against + kChance < before.against / kWorse);
+}
+
+void accept(const Problem& problem, const std::vector<Pose>& found, JointImages& result) {
+    for (std::size_t i = 0; i < found.size(); ++i)
+        if (problem.isFree[i]) result.worldFromCameras[i] = found[i], result.places[i] = ImagePlace::adjusted;
+}
+
+/// The same with these alone free, and no pairs but theirs.
+Problem onlyPairsOf(Problem problem, const std::vector<std::uint8_t>& isAsked) {
+    for (std::size_t i = 0; i < isAsked.size(); ++i) {
+        problem.isFree[i] = problem.isFree[i] && isAsked[i];
+        if (!isAsked[i]) std::erase_if(problem.partners[i], [&](std::uint32_t other) { return !isAsked[other]; });
+    }
+    return problem;
+}
+
+/// Lays those that are free on the others, which stay. They are where they were said to be unless they move by so many
+/// pixels of the photograph, and all of their pairs together fit better then.
+void layOnTheRest(Problem problem, int shrink, double leastPixels, JointImages& result) {
+    if (std::count(problem.isFree.begin(), problem.isFree.end(), 1) == 0) return;
+    const std::vector<Pose> led = result.worldFromCameras;
+    const std::vector<Pose> found = placed(problem, led, result, {});
+    if (std::exchange(result.isWorse, false) || !isBetter(result.before, result.after)) return;
+    const Moves moves = movesOf(problem, led, found);
+    for (std::size_t i = 0; i < found.size(); ++i)
+        if (shrink * moves.ofImage(i) < leastPixels) problem.isFree[i] = 0;
+    accept(problem, found, result);
 }
 
 } // namespace
@@ -366,18 +421,28 @@ JointImages layImagesOnEachOther(const std::vector<ImageSketch>& sketches, int s
         problem.isFree[i] = !problem.partners[i].empty() && problem.ranges[i] > 0;
     }
     problem.pivot /= std::max(leaders, 1);
-    const auto isAnyFree = [&] { return std::count(problem.isFree.begin(), problem.isFree.end(), 1) > 0; };
-    if (!isAnyFree()) return result;
+    if (std::count(problem.isFree.begin(), problem.isFree.end(), 1) == 0) return result;
     const std::vector<Pose> found = placed(problem, given, result, onPass);
-    result.movedPixels = shrink * pixelsMoved(problem, given, found);
+    const Moves moves = movesOf(problem, given, found);
+    result.movedPixels = shrink * moves.most();
     const bool isMoved = result.movedPixels >= options.leastPixels;
     result.isWorse = result.isWorse || (isMoved && !isBetter(result.before, result.after));
-    if (result.isWorse || !isMoved) return result;
-    for (std::size_t i = 0; i < count; ++i)
-        if (problem.isFree[i]) result.worldFromCameras[i] = found[i], result.places[i] = ImagePlace::adjusted;
+    if (result.isWorse) return result;
+    const Apartness before = result.before;
+    Apartness after = result.after;
+    if (isMoved) {
+        accept(problem, found, result);
+    } else {
+        // A capture that is right, but for some.
+        std::vector<std::uint8_t> isWrong(count, 0);
+        for (std::size_t i = 0; i < count; ++i)
+            isWrong[i] = problem.isFree[i] && shrink * moves.ofImage(i) >= options.leastPixels;
+        layOnTheRest(onlyPairsOf(problem, isWrong), shrink, options.leastPixels, result);
+        const std::vector<Pose>& now = result.worldFromCameras;
+        after = apartnessOf(compareAll(problem, now, 0, scalesOf(compareAll(problem, now, 0, {}))));
+    }
 
     // Those that the others must not know of are laid on them as they now stand.
-    const std::vector<Pose> led = result.worldFromCameras;
     for (std::size_t i = 0; i < count; ++i) {
         problem.isFree[i] = 0, problem.partners[i].clear();
         if (result.places[i] == ImagePlace::strayed || result.places[i] == ImagePlace::loose) isLeader[i] = 0;
@@ -387,13 +452,8 @@ JointImages layImagesOnEachOther(const std::vector<ImageSketch>& sketches, int s
         problem.partners[i] = spreadOver(partners[i], options.maxPartners, isLeader);
         problem.isFree[i] = !problem.partners[i].empty() && problem.ranges[i] > 0;
     }
-    if (!isAnyFree()) return result;
-    const Apartness before = result.before, after = result.after;
-    const std::vector<Pose> followed = placed(problem, led, result, {});
+    layOnTheRest(problem, shrink, isMoved ? 0 : options.leastPixels, result);
     result.before = before, result.after = after;
-    if (std::exchange(result.isWorse, false)) return result; // those that follow stay where they were
-    for (std::size_t i = 0; i < count; ++i)
-        if (problem.isFree[i]) result.worldFromCameras[i] = followed[i], result.places[i] = ImagePlace::adjusted;
     return result;
 }
 

@@ -24,7 +24,8 @@ struct JointImagesOptions {
     double damping = 0.05;     ///< of the range and in radians: what overlaps leave open takes no longer steps
     double mostMoved = 0.15;   ///< of the range, or radians: an image that goes so far has strayed,
     double mostAgainst = 0.15; ///< or if others saw through so much of it
-    double leastPixels = 0.25; ///< capture is right, and stays as it is, if 19 of 20 pairs move by less
+    double leastPixels = 0.25; ///< a capture is right if 19 of 20 pairs move by less: then only images move half of
+                               ///< whose own pairs move by more
     ComparisonOptions comparison;
 };
 

@@ -131,6 +131,30 @@ TEST(JointImages, ACaptureThatIsRightStaysAsItIs) {
     }
 }
 
+TEST(JointImages, OneWrongAmongManyThatAreRightIsFoundAndMovesNobody) {
+    // Of so many images the pairs of one are less than a twentieth of all.
+    constexpr int kMany = 48;
+    constexpr std::size_t kWrong = 20, kHeldOut = 33;
+    const std::vector<DepthImage> rightly = imagesOfBareRoom(kMany, resized(smallCamera(), 160, 120));
+    std::vector<DepthImage> images = taken(rightly, 11);
+    std::mt19937 generator(111);
+    for (const std::size_t i : {kWrong, kHeldOut})
+        images[i].worldFromCamera = disturbed(images[i].worldFromCamera, 0.03, 1 * kDegree, generator);
+    std::vector<std::uint8_t> isFollower(kMany, 0);
+    isFollower[kHeldOut] = isFollower[40] = 1; // one of two held out is right
+    const JointImages found = laid(images, isFollower);
+    EXPECT_LT(found.movedPixels, 0.25) << "else this tests nothing";
+    for (std::size_t i = 0; i < images.size(); ++i) {
+        const bool isWrong = i == kWrong || i == kHeldOut;
+        EXPECT_EQ(found.places[i], isWrong ? ImagePlace::adjusted : ImagePlace::given) << i;
+        EXPECT_EQ(areSame(found.worldFromCameras[i], images[i].worldFromCamera), !isWrong) << i;
+    }
+    const Errors after = errorsBetweenNeighbours(found.worldFromCameras, rightly);
+    EXPECT_LT(after.metres, 0.004);
+    EXPECT_LT(after.degrees, 0.06);
+    EXPECT_LT(found.after.against, found.before.against);
+}
+
 TEST(JointImages, AnImageOfAnotherPlaceIsPutBackAndMovesNobody) {
     std::vector<DepthImage> images = taken(truth(), 3);
     disturb(images, 103);
