@@ -11,9 +11,9 @@
 namespace scene {
 
 struct FusionOptions {
-    int maxPartners = 64;       ///< images that may contribute
-    float angleRadians = 0.35f; ///< rays that differ so much count 1/e: appearance depends on direction
-    float colourStep = 30.f;    ///< colours (0 to 255) that differ so much count 1/e: they show something else
+    int maxPartners = 16;      ///< images that may contribute, those with the greatest overlap: more blur
+    float angleRadians = 0.1f; ///< rays that differ so much count 1/e: appearance depends on direction
+    float colourStep = 30.f;   ///< colours (0 to 255) that differ so much count 1/e: they show something else
     ComparisonOptions comparison;
 };
 
