@@ -35,7 +35,7 @@ struct Quality {
     /// the nearest in plain z order.
     scene::PreferenceOptions preference{.nearBaseline = 0};
 
-    /// Points and adaptive: coarser samples (scene/pyramid.h) stand for finer ones where they are seen no wider than
+    /// All but the mesh: coarser samples (scene/pyramid.h) stand for finer ones where they are seen no wider than
     /// this, pixels. 0: all that was sampled is drawn.
     double samplePixels = 0;
 

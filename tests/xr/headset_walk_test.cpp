@@ -114,7 +114,7 @@ class HeadsetWalk : public testing::Test {
         {
             app::Walker walker(monado.around({REVISIT_PROGRAM, "walk", scene, "--out", out, "--picture-every",
                                               std::to_string(kPictureEvery), "--frames", std::to_string(kFrames),
-                                              "--hole-radius", "0", "--footprint-scale", "1"}),
+                                              "--hole-radius", "0", "--footprint-scale", "1", "--sample-pixels", "0"}),
                                scratch_.path());
             const MovingHead head(monado.port());
             const app::Outcome walked = walker.waitForEnd();
@@ -124,7 +124,7 @@ class HeadsetWalk : public testing::Test {
         EXPECT_EQ(readJson(out + "/report.json").at("frames"), kFrames);
         const app::Outcome drawn =
             app::run({REVISIT_PROGRAM, "render", scene, "--out", frames, "--cameras", out + "/cameras.json", "--eyes",
-                      "1", "--aux", "--hole-radius", "0", "--footprint-scale", "1"},
+                      "1", "--aux", "--hole-radius", "0", "--footprint-scale", "1", "--sample-pixels", "0"},
                      scratch_.path());
         EXPECT_EQ(drawn.status, 0) << drawn.output;
         const json cameras = readJson(out + "/cameras.json").at("cameras");
