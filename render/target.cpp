@@ -56,14 +56,14 @@ EyeTarget makeEyeTarget(const Device& device, VkDescriptorSetLayout eyeLayout, i
     requireRange(device, pixels * sizeof(std::uint64_t), "the z-buffer", "choose a smaller image");
     requireTexels(device, pixels);
 
-    constexpr VkBufferUsageFlags kStorage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
+    constexpr VkBufferUsageFlags kStorage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
+                                 kTexels = kStorage | VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT;
     EyeTarget target;
-    target.zBuffer = Buffer(device, pixels * sizeof(std::uint64_t),
-                            kStorage | VK_BUFFER_USAGE_TRANSFER_DST_BIT | VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT,
-                            MemoryUse::onDevice);
-    target.colours = Buffer(device, pixels * sizeof(std::uint32_t), kStorage | VK_BUFFER_USAGE_TRANSFER_SRC_BIT,
+    target.zBuffer =
+        Buffer(device, pixels * sizeof(std::uint64_t), kTexels | VK_BUFFER_USAGE_TRANSFER_DST_BIT, MemoryUse::onDevice);
+    target.colours = Buffer(device, pixels * sizeof(std::uint32_t), kTexels | VK_BUFFER_USAGE_TRANSFER_SRC_BIT,
                             MemoryUse::hostReads);
-    target.depths = Buffer(device, pixels * sizeof(float), kStorage, MemoryUse::hostReads);
+    target.depths = Buffer(device, pixels * sizeof(float), kTexels, MemoryUse::hostReads);
     const auto holes = static_cast<std::size_t>(holeColumnsAt(width, height, height));
     target.holes = Buffer(device, holes * sizeof(std::uint32_t), kStorage, MemoryUse::onDevice);
     target.zTexels = makeTexelView(device, target.zBuffer);

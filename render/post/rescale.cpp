@@ -2,6 +2,7 @@
 
 #include "render/device.h"
 #include "render/shaders/shared/rescale.h"
+#include "spirv/enlarge.comp.h"
 #include "spirv/rescale.comp.h"
 
 #include <algorithm>
@@ -12,7 +13,7 @@ namespace render {
 
 namespace {
 
-constexpr std::array kBindings{Binding::storage, Binding::storage, Binding::storage, Binding::storage};
+constexpr std::array kBindings{Binding::texels, Binding::texels, Binding::storage, Binding::storage};
 
 } // namespace
 
@@ -20,8 +21,9 @@ RescalePass makeRescalePass(const Device& device) {
     RescalePass pass;
     pass.layout = makeSetLayout(device, kBindings);
     const std::uint32_t workgroupSize = device.isProcessor() ? static_cast<std::uint32_t>(device.subgroupSize()) : 128;
-    pass.pipeline = makeComputePipeline(device, kRescaleCode, std::array<VkDescriptorSetLayout, 1>{pass.layout},
-                                        sizeof(RescaleConstants), std::array{workgroupSize});
+    const std::array<VkDescriptorSetLayout, 1> sets{pass.layout};
+    pass.any = makeComputePipeline(device, kRescaleCode, sets, sizeof(RescaleConstants), std::array{workgroupSize});
+    pass.enlarge = makeComputePipeline(device, kEnlargeCode, sets, sizeof(RescaleConstants), std::array{workgroupSize});
     return pass;
 }
 
@@ -31,8 +33,10 @@ ScaledTarget makeScaledTarget(const Device& device, const RescalePass& pass, VkD
     scaled.target = makeEyeTarget(device, eyeLayout, width, height);
     scaled.pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
     scaled.pool = makeSetPool(device, 1, kBindings);
-    const std::array<Bound, kBindings.size()> bound{{{scaled.target.colours.handle()},
-                                                     {scaled.target.depths.handle()},
+    scaled.colourTexels = makeTexelView(device, scaled.target.colours, VK_FORMAT_R32_UINT);
+    scaled.depthTexels = makeTexelView(device, scaled.target.depths, VK_FORMAT_R32_SFLOAT);
+    const std::array<Bound, kBindings.size()> bound{{{scaled.target.colours.handle(), scaled.colourTexels},
+                                                     {scaled.target.depths.handle(), scaled.depthTexels},
                                                      {eye.colours.handle()},
                                                      {eye.depths.handle()}}};
     scaled.set = allocateSet(device, scaled.pool, pass.layout, bound);
@@ -47,11 +51,14 @@ void recordRescale(VkCommandBuffer commands, const RescalePass& pass, const Scal
                    int fromHeight, int toWidth, int toHeight) {
     const RescaleConstants constants{static_cast<std::uint32_t>(fromWidth), static_cast<std::uint32_t>(fromHeight),
                                      static_cast<std::uint32_t>(toWidth), static_cast<std::uint32_t>(toHeight)};
-    const VkPipelineLayout layout = pass.pipeline.layout;
-    vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pass.pipeline.pipeline);
+    const bool isEnlarged = fromWidth <= toWidth && fromHeight <= toHeight;
+    const ComputePipeline& pipeline = isEnlarged ? pass.enlarge : pass.any;
+    const VkPipelineLayout layout = pipeline.layout;
+    vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline.pipeline);
     vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, layout, 0, 1, &from.set, 0, nullptr);
     vkCmdPushConstants(commands, layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof constants, &constants);
-    vkCmdDispatch(commands, static_cast<std::uint32_t>(toHeight), 1, 1);
+    const std::uint32_t rows = isEnlarged ? kEnlargedRows : 1;
+    vkCmdDispatch(commands, (constants.toHeight + rows - 1) / rows, 1, 1);
 }
 
 } // namespace render

@@ -8,8 +8,8 @@
 namespace render {
 
 struct RescalePass {
-    DescriptorSetLayout layout; ///< 0 and 1 colours and depths as warped, 2 and 3 the eye's
-    ComputePipeline pipeline;
+    DescriptorSetLayout layout;   ///< 0 and 1 colours and depths as warped, 2 and 3 the eye's
+    ComputePipeline any, enlarge; ///< enlarge: to a picture that is nowhere smaller, as any does it, but faster
 };
 
 RescalePass makeRescalePass(const Device& device);
@@ -18,6 +18,7 @@ RescalePass makeRescalePass(const Device& device);
 /// it was made for, so that the scale may change from frame to frame.
 struct ScaledTarget {
     EyeTarget target;
+    BufferView colourTexels, depthTexels; ///< of the target, to be read
     std::size_t pixels = 0;
     DescriptorPool pool;
     VkDescriptorSet set = VK_NULL_HANDLE;

@@ -7,11 +7,16 @@
 
 layout(local_size_x_id = 0) in;
 
-layout(std430, set = 0, binding = 0) readonly buffer FromColours { uint fromColours[]; };
-layout(std430, set = 0, binding = 1) readonly buffer FromDepths { float fromDepths[]; };
+layout(set = 0, binding = 0) uniform usamplerBuffer fromColours;
+layout(set = 0, binding = 1) uniform samplerBuffer fromDepths;
 layout(std430, set = 0, binding = 2) writeonly buffer Colours { uint colours[]; };
 layout(std430, set = 0, binding = 3) writeonly buffer Depths { float depths[]; };
 layout(push_constant) uniform Constants { RescaleConstants constants; };
+
+uint colourAt(uint place)
+{
+    return texelFetch(fromColours, int(place)).x;
+}
 
 void main()
 {
@@ -22,7 +27,7 @@ void main()
     uint nearestRow = nearestPixel(y, constants.fromHeight, constants.toHeight) * fromWidth;
     for (uint x = gl_LocalInvocationID.x; x < width; x += gl_WorkGroupSize.x) {
         uint nearestPlace = nearestRow + nearestPixel(x, fromWidth, width);
-        uint nearest = fromColours[nearestPlace], kind = kindOf(nearest);
+        uint nearest = colourAt(nearestPlace), kind = kindOf(nearest);
         uint first = firstPixel(x, fromWidth, width), last = lastPixel(x, fromWidth, width);
         // Those between the first and the last are covered whole.
         uint firstWeight = weightOf(first, x, fromWidth, width), lastWeight = weightOf(last, x, fromWidth, width);
@@ -30,12 +35,12 @@ void main()
         for (uint row = firstRow; row <= lastRow; ++row) {
             uint rowWeight = weightOf(row, y, constants.fromHeight, constants.toHeight);
             for (uint column = first; column <= last; ++column) {
-                uint pixel = fromColours[row * fromWidth + column];
+                uint pixel = colourAt(row * fromWidth + column);
                 uint weight = column == first ? firstWeight : (column == last ? lastWeight : kWholeWeight);
                 sum = addColour(sum, pixel, kindOf(pixel) == kind ? rowWeight * weight : 0u);
             }
         }
         colours[y * width + x] = meanColour(sum, nearest);
-        depths[y * width + x] = fromDepths[nearestPlace];
+        depths[y * width + x] = texelFetch(fromDepths, int(nearestPlace)).x;
     }
 }

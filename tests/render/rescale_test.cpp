@@ -36,6 +36,17 @@ TEST(RescaleWeights, AreOnlyOnPixelsThatThereAreAndSumToTheNewPixelsWidth) {
         }
 }
 
+TEST(RescaleWeights, OfAnEnlargedPictureAreTheSameWorkedOutAtOnce) {
+    for (const auto& [from, to] : kSizes)
+        for (uint i = 0; i < to && from <= to; ++i) {
+            const Between between = betweenOf(i, from, to);
+            ASSERT_EQ(between.first, firstPixel(i, from, to)) << from << " to " << to << ", pixel " << i;
+            ASSERT_EQ(between.last, lastPixel(i, from, to)) << from << " to " << to << ", pixel " << i;
+            EXPECT_EQ(between.isNearLast ? between.last : between.first, nearestPixel(i, from, to));
+            EXPECT_EQ(kWholeWeight - between.lastWeight, weightOf(between.first, i, from, to));
+        }
+}
+
 TEST(RescaleColours, OfOneKindAreMixedAndOthersAreLeftOut) {
     EXPECT_EQ(kindOf(0x01000000u), kindOf(0x02ffffffu)) << "filled stands beside seen";
     EXPECT_NE(kindOf(0x01000000u), kindOf(0x03000000u)) << "the unseen must not shine through";

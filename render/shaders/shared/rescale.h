@@ -59,6 +59,28 @@ SHARED_FUNCTION uint weightOf(uint p, uint i, uint from, uint to) {
     return p == first ? kWholeWeight - second : second;
 }
 
+/// Where to >= from: the old pixels that new pixel i lies between, the share of the last, and which is the nearest. The
+/// same as the functions above say.
+struct Between {
+    uint first, last;
+    uint lastWeight; ///< in 1 / kWholeWeight
+    uint isNearLast; ///< 1: the last is the nearest, 0: the first
+};
+SHARED_FUNCTION Between betweenOf(uint i, uint from, uint to) {
+    int centre = centreOf(i, from, to);
+    uint beyond = uint(max(centre, 0));
+    Between between;
+    between.first = quotient(beyond, 2u * to);
+    between.last = centre > 0 ? min(between.first + 1u, from - 1u) : between.first;
+    uint rest = beyond - between.first * 2u * to;
+    between.lastWeight = between.last > between.first ? quotient(rest * kWholeWeight + to, 2u * to) : 0u;
+    between.isNearLast = between.last > between.first && rest >= to ? 1u : 0u;
+    return between;
+}
+
+/// Rows of the new picture that one workgroup makes where to >= from.
+SHARED_CONSTANT uint kEnlargedRows = 8u;
+
 /// Colours of which kinds may be mixed: what was measured with what was filled in, and nothing else. pixel: r | g << 8
 /// | b << 16 | class << 24.
 SHARED_FUNCTION uint kindOf(uint pixel) {
