@@ -22,10 +22,10 @@ using nlohmann::json;
 
 const std::string kRevisit = REVISIT_PROGRAM;
 
-constexpr double kLivingRoomMeshFloor = 33.5, kLivingRoomPointsFloor = 32.5, kLivingRoomSeen = 0.97;
-constexpr double kLivingRoomBestFloor = 34;
+constexpr double kLivingRoomMeshFloor = 34, kLivingRoomPointsFloor = 33.2, kLivingRoomSeen = 0.97;
+constexpr double kLivingRoomBestFloor = 34.2;
 constexpr double kShelfMeshFloor = 22; ///< real sensor: a third of its pixels have range, exposure changes
-constexpr double kShelfBestFloor = 24.5;
+constexpr double kShelfBestFloor = 24.8;
 constexpr double kMostKept = 0.15; ///< share of the samples that the living room needs
 constexpr const char* kPatienceSeconds = "60";
 
