@@ -74,11 +74,6 @@ constexpr std::uint32_t kSmallStandIn = 4;
 /// Order levels that stand-ins are pushed back by: where some of the finer samples are there, those are seen.
 constexpr int kStandInLevels = 2;
 
-/// Whether coarser levels are asked for. The mesh is all of what was sampled.
-bool hasDetail(const Quality& quality) {
-    return quality.samplePixels > 0 && quality.warp != Warp::mesh;
-}
-
 /// detail of a TileDraw (shared/detail.h); nothing if no sample of the tile can be drawn. isFinest: of all that are
 /// there.
 std::optional<vec4> detailOf(const SourceView& source, const scene::SampleBox& box, double samplePixels,
@@ -252,7 +247,7 @@ std::vector<SourceView> sourceViewsOf(std::span<const ResidentImage> images, con
 
 void chooseDraws(const SceneIndex& scene, std::span<const ChunkPlace> places, std::span<const SourceView> sources,
                  const VisibleTiles& visible, const Quality& quality, DrawList& list, double picturePixels) {
-    const bool isDetailed = hasDetail(quality);
+    const bool isDetailed = detailPixelsOf(quality) > 0;
     const bool mayStandIn = hasGaps(places);
     const auto standsIn = [&](std::uint32_t number) {
         const auto finer = scene.finerThan(number);

@@ -78,4 +78,10 @@ struct Quality {
     scene::BlendOptions blend{}; ///< of that pass
 };
 
+/// How wide coarser samples may be seen, in pixels of what is warped; 0: none stand for finer ones. The mesh is all of
+/// what was sampled.
+inline double detailPixelsOf(const Quality& quality) {
+    return quality.warp == Warp::mesh ? 0 : quality.samplePixels;
+}
+
 } // namespace render

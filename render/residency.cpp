@@ -53,7 +53,8 @@ double wantOf(const SceneIndex& index, const IndexedChunk& chunk, const scene::V
             pixels = widest = kWidest;
         }
     }
-    if (image.hasCoarser && widest < kReplacedWhole * quality.samplePixels) return 0; // the coarser level suffices
+    const double warped = widest * quality.resolutionScale;                              // pixels
+    if (image.hasCoarser && warped < kReplacedWhole * detailPixelsOf(quality)) return 0; // the coarser level suffices
     return std::clamp(pixels, 1e-12, kWidest) * (isInView ? kInView : 1);
 }
 
@@ -127,9 +128,10 @@ bool wantAboutTheSame(const LookedAt& a, const LookedAt& b) {
                glm::dot(from.rotation[2], to.rotation[2]) >= std::cos(kSameTurnRadians);
     };
     const Quality &p = a.quality, &q = b.quality;
-    return p.samplePixels == q.samplePixels && p.preference.nearBaseline == q.preference.nearBaseline &&
-           p.isBlended == q.isBlended && p.blend.baseline == q.blend.baseline &&
-           std::ranges::equal(a.shares, b.shares) && std::ranges::equal(a.eyes, b.eyes, isSameEye);
+    return detailPixelsOf(p) * q.resolutionScale == detailPixelsOf(q) * p.resolutionScale &&
+           p.preference.nearBaseline == q.preference.nearBaseline && p.isBlended == q.isBlended &&
+           p.blend.baseline == q.blend.baseline && std::ranges::equal(a.shares, b.shares) &&
+           std::ranges::equal(a.eyes, b.eyes, isSameEye);
 }
 
 } // namespace render

@@ -24,7 +24,8 @@ constexpr std::size_t kFirstDraws = 4096;
 
 void makeDrawBuffers(const Device& device, EyeTarget& target, std::size_t most) {
     const std::size_t bytes = most * sizeof(TileDraw);
-    requireRange(device, bytes, "the list of tiles", "let coarser samples stand for finer ones: --sample-pixels 1");
+    requireRange(device, bytes, "the list of tiles",
+                 "let wider samples stand for finer ones: --warp points --sample-pixels 2");
     for (Buffer& draws : target.draws)
         draws = Buffer(device, bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, MemoryUse::hostWrites);
     target.passed = Buffer(device, bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, MemoryUse::onDevice);

@@ -30,7 +30,8 @@ constexpr double kSharpestGrey = 5e-3;  ///< of light
 constexpr double kWorse = 1.02;         ///< times as far apart, or as few that agree: chance makes no more of it
 constexpr double kChance = 1e-3;        ///< share of samples that may speak against by chance
 constexpr double kLeftAlone = 0.7;      ///< of the samples that agreed, an image that kept fewer has strayed
-constexpr double kNearWorst = 0.9;      ///< of the worst share that speaks against an image
+constexpr double kNearWorst = 0.9;      ///< of the worst share that speaks against an image; and where there are so
+constexpr double kHalfWorst = 0.5;      ///< many wrong ones that there would be no end
 constexpr double kLoosePixels = 0.25, kLooseShare = 0.2; ///< of the sketch; of how far images move
 constexpr double kStillPixels = 0.01;                    ///< of the level: passes end
 constexpr int kGridColumns = 8, kGridRows = 6;           ///< samples by which motion is told in pixels
@@ -225,8 +226,12 @@ struct Moves {
         return *at;
     }
     double ofImage(std::size_t i) const {
+        // The lower of two middle ones: of two partners one may be wrong.
         std::vector<double> own = ofImages[i];
-        return medianOf(own);
+        if (own.empty()) return 0;
+        const auto middle = own.begin() + (std::ssize(own) - 1) / 2;
+        std::nth_element(own.begin(), middle, own.end());
+        return *middle;
     }
 };
 
@@ -262,13 +267,13 @@ bool wentTooFar(const Problem& problem, std::size_t i, const Pose& given, const 
 }
 
 /// Free images that went too far, away from the others, or stand where others saw through them; of the last kind the
-/// worst alone, since one makes its neighbours look wrong, too; or all, where there are too many to wait for.
+/// worst alone (nearWorst: down to this share of the worst), since one makes its neighbours look wrong, too.
 Indices strayed(const Problem& problem, const std::vector<Pose>& given, const std::vector<Pose>& found,
-                const AllSums& before, const AllSums& after, bool isWorstAlone) {
+                const AllSums& before, const AllSums& after, double nearWorst) {
     const std::vector<Say> then = saysOf(before), now = saysOf(after);
     double most = problem.options.mostAgainst;
     for (std::size_t i = 0; i < now.size(); ++i)
-        if (problem.isFree[i] && isWorstAlone) most = std::max(most, kNearWorst * now[i].againstShare());
+        if (problem.isFree[i]) most = std::max(most, nearWorst * now[i].againstShare());
     Indices result;
     for (std::size_t i = 0; i < now.size(); ++i) {
         const bool isAway = static_cast<double>(now[i].agreeing) < kLeftAlone * static_cast<double>(then[i].agreeing);
@@ -340,7 +345,7 @@ std::vector<Pose> placed(Problem& problem, const std::vector<Pose>& given, Joint
         result.before = apartnessOf(before);
         result.after = apartnessOf(after);
         ImagePlace place = ImagePlace::strayed;
-        Indices out = strayed(problem, given, found, before, after, round < kPatientRounds);
+        Indices out = strayed(problem, given, found, before, after, round < kPatientRounds ? kNearWorst : kHalfWorst);
         if (out.empty()) place = ImagePlace::loose, out = loose(problem, given, found, after);
         if (out.empty()) return found;
         for (const std::uint32_t i : out) {
@@ -380,16 +385,27 @@ Problem onlyPairsOf(Problem problem, const std::vector<std::uint8_t>& isAsked) {
     return problem;
 }
 
-/// Lays those that are free on the others, which stay. They are where they were said to be unless they move by so many
-/// pixels of the photograph, and all of their pairs together fit better then.
-void layOnTheRest(Problem problem, int shrink, double leastPixels, JointImages& result) {
+/// Lays those that are free on the others, which stay. isRight: the others were found to be right; an image then stays
+/// where it was said to be unless it moves by pixels and fits better afterwards, each judged by itself.
+void layOnTheRest(Problem problem, int shrink, bool isRight, JointImages& result) {
     if (std::count(problem.isFree.begin(), problem.isFree.end(), 1) == 0) return;
     const std::vector<Pose> led = result.worldFromCameras;
     const std::vector<Pose> found = placed(problem, led, result, {});
-    if (std::exchange(result.isWorse, false) || !isBetter(result.before, result.after)) return;
+    if (std::exchange(result.isWorse, false)) return;
     const Moves moves = movesOf(problem, led, found);
-    for (std::size_t i = 0; i < found.size(); ++i)
-        if (shrink * moves.ofImage(i) < leastPixels) problem.isFree[i] = 0;
+    std::vector<std::uint8_t> isAccepted = problem.isFree;
+    for (std::size_t i = 0; i < found.size() && isRight; ++i) {
+        if (!problem.isFree[i]) continue;
+        std::vector<std::uint8_t> isAlone(found.size(), 0);
+        isAlone[i] = 1;
+        std::vector<Pose> then = led;
+        then[i] = found[i];
+        const Problem alone = onlyPairsOf(problem, isAlone);
+        isAccepted[i] =
+            shrink * moves.ofImage(i) >= problem.options.leastPixels &&
+            isBetter(apartnessOf(compareAll(alone, led, 0, {})), apartnessOf(compareAll(alone, then, 0, {})));
+    }
+    problem.isFree = isAccepted;
     accept(problem, found, result);
 }
 
@@ -437,9 +453,9 @@ JointImages layImagesOnEachOther(const std::vector<ImageSketch>& sketches, int s
         std::vector<std::uint8_t> isWrong(count, 0);
         for (std::size_t i = 0; i < count; ++i)
             isWrong[i] = problem.isFree[i] && shrink * moves.ofImage(i) >= options.leastPixels;
-        layOnTheRest(onlyPairsOf(problem, isWrong), shrink, options.leastPixels, result);
+        layOnTheRest(onlyPairsOf(problem, isWrong), shrink, true, result);
         const std::vector<Pose>& now = result.worldFromCameras;
-        after = apartnessOf(compareAll(problem, now, 0, scalesOf(compareAll(problem, now, 0, {}))));
+        after = apartnessOf(compareAll(problem, now, 0, {}));
     }
 
     // Those that the others must not know of are laid on them as they now stand.
@@ -452,7 +468,7 @@ JointImages layImagesOnEachOther(const std::vector<ImageSketch>& sketches, int s
         problem.partners[i] = spreadOver(partners[i], options.maxPartners, isLeader);
         problem.isFree[i] = !problem.partners[i].empty() && problem.ranges[i] > 0;
     }
-    layOnTheRest(problem, shrink, isMoved ? 0 : options.leastPixels, result);
+    layOnTheRest(problem, shrink, !isMoved, result);
     result.before = before, result.after = after;
     return result;
 }

@@ -38,7 +38,7 @@ struct Apartness {
 };
 
 enum class ImagePlace : std::uint8_t {
-    given, ///< as it was: all are right, or nothing that others have in common with it says otherwise
+    given, ///< as it was: it is right, or nothing that others have in common with it says otherwise
     adjusted,
     loose,  ///< too little holds it to say where it belongs: as it was
     strayed ///< went too far, or away from the others, and was put back where it was

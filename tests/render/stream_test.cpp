@@ -146,6 +146,12 @@ TEST_F(StreamTest, WhatStandsForAChunkIsWantedBeforeIt) {
     quality.samplePixels = 1;
     EXPECT_LT(chunksWanted(index, coarser, {{&eye, 1}, quality, {}}).size(), wanted.size())
         << "where coarse samples suffice, finer ones are not asked for";
+    const auto wantedBy = [&](const Quality& asking) { return chunksWanted(index, coarser, {{&eye, 1}, asking, {}}); };
+    Quality mesh = quality, sharper = quality;
+    mesh.warp = Warp::mesh;
+    EXPECT_EQ(wantedBy(mesh), wanted) << "the mesh is all of what was sampled";
+    sharper.resolutionScale = 4;
+    EXPECT_GT(wantedBy(sharper).size(), wantedBy(quality).size()) << "pixels of what is warped";
 }
 
 TEST_F(StreamTest, TheCoarsestOfEverythingIsKept) {
