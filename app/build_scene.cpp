@@ -69,6 +69,9 @@ void buildScene(const BuildOptions& options) {
     const double spentStops =
         reports.photographEvening.is_null() ? 0 : reports.photographEvening.at("most_stops").get<double>();
     reports.evening = evenImages(imported, overlaps, options, store, spentStops);
+    // Scans and polygons have their range and their colours from one place.
+    if (capture.polygons.empty() && capture.scans.empty())
+        reports.silhouettes = settleSilhouettes(imported, overlaps, options, store);
     const SkinStage skins = markSkins(imported, overlaps, options, store);
     const KeepStage kept = keepBest(imported, overlaps, skins, options, store);
     const TileStage tiles = fuseAndCut(imported, overlaps, skins, kept, options, store);

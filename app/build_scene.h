@@ -11,6 +11,7 @@
 #include "scene/refine/cover.h"
 #include "scene/refine/fusion.h"
 #include "scene/refine/redundancy.h"
+#include "scene/refine/silhouettes.h"
 #include "scene/refine/skins.h"
 
 #include <filesystem>
@@ -43,6 +44,8 @@ struct BuildOptions {
     scene::SkinOptions skins;
     scene::RedundancyOptions redundancy;
     scene::FusionOptions fusion;
+    bool settleSilhouettes = true; ///< of photographs with range; false: samples stay at the range they came with
+    scene::SilhouetteOptions silhouettes;
     bool evenColour = false; ///< true: exposure and white balance of overlapping images are made even
     bool findUnseen = false; ///< true: coverage is built, and what no image observed is shown as unseen
     scene::CoverOptions coverage;

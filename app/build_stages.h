@@ -107,6 +107,12 @@ nlohmann::json evenImages(ImportedImages& imported, const Overlaps& overlaps, co
 /// uneven pictures no factor makes even.
 nlohmann::json evenPhotographs(PhotographStage& photographs, const BuildOptions& options, StageStore& store);
 
+/// refine, before its first part, of captures of photographs with range: samples beside silhouettes on the side where
+/// the photographs agree. Puts the changed images in place of the imported ones. Returns the report that scene.json and
+/// info have; null where nothing was asked.
+nlohmann::json settleSilhouettes(ImportedImages& imported, const Overlaps& overlaps, const BuildOptions& options,
+                                 StageStore& store);
+
 /// refine, third part: fused and cut into tiles, a block of tiles and a file of final flags for each image.
 struct TileStage {
     std::vector<std::filesystem::path> blocks, flags;
@@ -126,7 +132,7 @@ void checkReplaceable(const std::filesystem::path& output);
 
 /// What stages have to say to scene.json and info; null where one did nothing.
 struct BuildReports {
-    nlohmann::json registration, poses, evening, photographEvening;
+    nlohmann::json registration, poses, evening, photographEvening, silhouettes;
 };
 
 /// The scene folder, under a temporary name until it is whole.

@@ -46,6 +46,20 @@ void printEvening(const char* of, const json& evening) {
         std::printf("             %lld images are too dark to be brightened enough without noise\n", limited);
 }
 
+/// What was done beside silhouettes.
+void printSilhouettes(const json& silhouettes) {
+    if (silhouettes.is_null()) return;
+    if (silhouettes.at("changed").empty())
+        std::printf("  edges      as captured: of samples beside silhouettes others saw through %s\n",
+                    shareText(silhouettes.at("seen_through").get<double>(), 1).c_str());
+    else
+        std::printf("  edges      laid where the photographs have them: %lld samples moved to the surface on the other "
+                    "side of a silhouette, %lld guesses of range where none was measured; before, others saw through "
+                    "%s of the samples there\n",
+                    silhouettes.at("moved").get<long long>(), silhouettes.at("guessed").get<long long>(),
+                    shareText(silhouettes.at("seen_through").get<double>(), 1).c_str());
+}
+
 /// Where scans stand, and how well that is known.
 void printRegistration(const json& registration) {
     if (registration.is_null()) return;
@@ -158,6 +172,7 @@ void printInfo(const std::filesystem::path& folder, bool asJson) {
     printEvening("photos", info.value("photograph_evening", json()));
     printEvening("colours", info.value("colour_evening", json()));
     printPhotographs(info.value("photographs", json()));
+    printSilhouettes(info.value("silhouettes", json()));
     std::printf("  samples    %.0f; kept %s as base, %s for other directions; %.0f float in empty space\n",
                 number("samples"), shareText(number("samples_base"), number("samples")).c_str(),
                 shareText(number("samples_directional"), number("samples")).c_str(), number("samples_floating"));

@@ -78,6 +78,10 @@ void addBuild(CLI::App& program, app::BuildOptions& options, std::string& memory
     build->add_flag_callback(
         "--no-fuse", [&] { options.fuse = false; }, "keep samples as captured instead of fusing those that agree");
     build->add_flag_callback(
+        "--no-silhouettes", [&] { options.settleSilhouettes = false; },
+        "photographs: leave samples beside silhouettes at the range they came with, instead of on the side where other "
+        "photographs show the same colours");
+    build->add_flag_callback(
         "--no-cull", [&] { options.cull = false; }, "keep every sample, redundant or not");
     build
         ->add_option("--cull-preference", options.redundancy.preference,

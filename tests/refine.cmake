@@ -12,6 +12,7 @@ revisit_test(revisit_refine_tests LABELS unit LINKS scene scene_project scene_re
         scene/refine/fusion_test.cpp
         scene/overlap_test.cpp
         scene/refine/redundancy_test.cpp
+        scene/refine/silhouettes_test.cpp
         scene/refine/skins_test.cpp
         scene/reprojection_test.cpp
         scene/warp_test.cpp)
