@@ -50,12 +50,12 @@ void printEvening(const char* of, const json& evening) {
 void printSilhouettes(const json& silhouettes) {
     if (silhouettes.is_null()) return;
     if (silhouettes.at("changed").empty())
-        std::printf("  edges      as captured: of samples beside silhouettes others saw through %s\n",
+        std::printf("  edges      as captured: of the near sides of silhouettes others saw through %s\n",
                     shareText(silhouettes.at("seen_through").get<double>(), 1).c_str());
     else
-        std::printf("  edges      laid where the photographs have them: %lld samples moved to the surface on the other "
-                    "side of a silhouette, %lld guesses of range where none was measured; before, others saw through "
-                    "%s of the samples there\n",
+        std::printf("  edges      laid where the photographs have them: samples moved %lld times to the surface on the "
+                    "other side of a silhouette, and range was guessed %lld times where none was measured; before, "
+                    "others saw through %s of the near sides\n",
                     silhouettes.at("moved").get<long long>(), silhouettes.at("guessed").get<long long>(),
                     shareText(silhouettes.at("seen_through").get<double>(), 1).c_str());
 }

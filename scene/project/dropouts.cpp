@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -26,6 +28,12 @@ float differenceOf(const Rgb8& a, const Rgb8& b) {
 struct Neighbour {
     int dx, dy;
     float disparity, weight;
+};
+
+/// What sortByDisparity needs, kept from pixel to pixel.
+struct SortBuffers {
+    std::vector<std::uint64_t> keys;
+    std::vector<Neighbour> sorted;
 };
 
 /// Sums for the plane d = a + b dx + c dy through the members of a cluster, by weighted least squares.
@@ -86,12 +94,18 @@ std::span<const Neighbour> heaviestCluster(const std::vector<Neighbour>& neighbo
     return std::span(neighbours).subspan(bestFirst, bestLast - bestFirst);
 }
 
-/// Sorted by disparity; the rest of the order makes sums the same on every machine.
-void sortByDisparity(std::vector<Neighbour>& neighbours) {
-    std::sort(neighbours.begin(), neighbours.end(), [](const Neighbour& a, const Neighbour& b) {
-        return std::array<float, 3>{a.disparity, static_cast<float>(a.dy), static_cast<float>(a.dx)} <
-               std::array<float, 3>{b.disparity, static_cast<float>(b.dy), static_cast<float>(b.dx)};
-    });
+/// Sorted by disparity; like disparities stay in their order, so that sums are the same on every machine. All must be
+/// positive: then their bits, read as integers, are in the order of their values. Integers that hold the place, too,
+/// sort three times as fast as the neighbours themselves.
+void sortByDisparity(std::vector<Neighbour>& neighbours, SortBuffers& buffers) {
+    buffers.keys.clear();
+    for (std::size_t i = 0; i < neighbours.size(); ++i)
+        buffers.keys.push_back(std::uint64_t{std::bit_cast<std::uint32_t>(neighbours[i].disparity)} << 32 | i);
+    std::sort(buffers.keys.begin(), buffers.keys.end());
+    buffers.sorted.clear();
+    for (const std::uint64_t key : buffers.keys)
+        buffers.sorted.push_back(neighbours[key & 0xffffffffu]);
+    neighbours.swap(buffers.sorted);
 }
 
 /// Disparity at the centre of the plane through the members of a cluster, sorted. On a plane the pixel may stand out
@@ -170,6 +184,7 @@ std::int64_t fillDropouts(DepthImage& image, const DropoutOptions& options) {
     Image<float> filled(width, height, 0.f);
     tbb::parallel_for(0, height, [&](int y) {
         std::vector<Neighbour> neighbours, members;
+        SortBuffers buffers;
         for (int x = 0; x < width; ++x) {
             if ((image.flags(x, y) & kNoSurface) == 0) continue;
             neighbours.clear();
@@ -180,7 +195,7 @@ std::int64_t fillDropouts(DepthImage& image, const DropoutOptions& options) {
                     neighbours.push_back({i - x, j - y, image.disparity(i, j), weight});
                 }
             if (std::ssize(neighbours) < options.minSamples) continue;
-            sortByDisparity(neighbours);
+            sortByDisparity(neighbours, buffers);
             const std::span<const Neighbour> cluster = heaviestCluster(neighbours, options.sameSurface);
             members.assign(cluster.begin(), cluster.end());
             if (std::ssize(members) < options.minSamples || !isSurrounded(members)) continue;
@@ -198,6 +213,7 @@ std::int64_t guessRange(DepthImage& image, const GuessOptions& options) {
     Image<float> guessed(width, height, 0.f);
     tbb::parallel_for(0, height, [&](int y) {
         std::vector<Neighbour> neighbours;
+        SortBuffers buffers;
         for (int x = 0; x < width; ++x) {
             if ((image.flags(x, y) & kNoSurface) == 0) continue;
             neighbours.clear();
@@ -212,7 +228,7 @@ std::int64_t guessRange(DepthImage& image, const GuessOptions& options) {
                         {dx, dy, image.disparity(i, j), likeness * supportOf(dx, radius) * supportOf(dy, radius)});
                 }
             if (std::ssize(neighbours) < options.minSamples) continue;
-            sortByDisparity(neighbours);
+            sortByDisparity(neighbours, buffers);
             const std::span<const Neighbour> cluster = heaviestCluster(neighbours, options.sameSurface);
             if (std::ssize(cluster) >= options.minSamples) guessed(x, y) = planeAtCentre(cluster);
         }

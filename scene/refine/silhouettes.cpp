@@ -290,14 +290,14 @@ constexpr int kJudgedStep = 6;
 SilhouetteVerdict judgeSilhouettes(ImageStore& images, const std::vector<std::vector<Partner>>& partners,
                                    const SilhouetteOptions& options) {
     const std::size_t count = std::min(images.size(), static_cast<std::size_t>(options.judged));
-    std::vector<SilhouetteVerdict> verdicts(count);
-    tbb::parallel_for(std::size_t{0}, count, [&](std::size_t k) {
+    SilhouetteVerdict verdict;
+    // One after the other: each is held with all it asks.
+    for (std::size_t k = 0; k < count; ++k) {
         const std::size_t index = (2 * k + 1) * images.size() / (2 * count);
         const ImageStore::Lease image = images.borrow(index);
         const Image<Sides> sides = findSides(*image, options);
         const Witnesses witnesses = findWitnesses(images, *image, sides, partners[index], options);
         const Image<float> gains = weigh(*image, sides, witnesses.all, kJudgedStep, options);
-        SilhouetteVerdict& verdict = verdicts[k];
         for (int y = 0; y < gains.height(); ++y)
             for (int x = 0; x < gains.width(); ++x) {
                 if (std::isnan(gains(x, y)) || !isSurface(image->flags(x, y))) continue;
@@ -311,12 +311,8 @@ SilhouetteVerdict judgeSilhouettes(ImageStore& images, const std::vector<std::ve
                     isSeenThrough(witnesses.all, static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f,
                                   image->disparity(x, y), options.comparison);
             }
-    });
-    SilhouetteVerdict sum;
-    for (const SilhouetteVerdict& verdict : verdicts)
-        sum.samples += verdict.samples, sum.forOwn += verdict.forOwn, sum.forOther += verdict.forOther,
-            sum.near += verdict.near, sum.seenThrough += verdict.seenThrough;
-    return sum;
+    }
+    return verdict;
 }
 
 DepthImage settleSilhouettes(ImageStore& images, std::size_t index, const std::vector<Partner>& partners,

@@ -60,6 +60,7 @@ struct SilhouetteVerdict {
 SilhouetteVerdict judgeSilhouettes(ImageStore& images, const std::vector<std::vector<Partner>>& partners,
                                    const SilhouetteOptions& options);
 
+/// Of one round, or summed over rounds.
 struct SilhouetteFigures {
     std::int64_t contested = 0; ///< samples and pixels without range beside a jump
     std::int64_t moved = 0;     ///< samples that went to the surface on the other side
