@@ -28,8 +28,8 @@ std::size_t groupsWithin(std::size_t bytes, const std::vector<scene::StoredImage
     return std::max(bytes / ((static_cast<std::size_t>(partners) + kOwn) * largest), std::size_t{1});
 }
 
-/// Lays silhouettes anew, round after round; the images as they are after the last go into `part`. Returns what changed
-/// in the last round.
+/// Lays silhouettes anew, round after round; the images as they are after the last go into `part`. Returns what
+/// changed, summed over the rounds.
 std::vector<scene::SilhouetteFigures> settle(const std::vector<scene::StoredImage>& imported, const Overlaps& overlaps,
                                              const BuildOptions& options, const std::filesystem::path& part) {
     const scene::SilhouetteOptions& o = options.silhouettes;
