@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace scene {
 
@@ -10,6 +11,33 @@ Reprojection reprojectionInto(const Camera& targetCamera, const Pose& worldFromT
     const glm::dmat4 c = eyeImageFromSourceImage({targetCamera, worldFromTarget}, sourceCamera, worldFromSource);
     const auto column = [&](int i) { return glm::vec3(glm::dvec3(c[i])); };
     return {column(2), column(0), column(1), column(3)};
+}
+
+PixelBox boundsOfSightings(const Reprojection& into, const PixelBox& block, float lowestDisparity,
+                           float highestDisparity, const Camera& target) {
+    // w is affine over the block, and u and v are quotients of affine functions: extreme at its corners.
+    const float far = std::numeric_limits<float>::max();
+    float left = far, top = far, right = -far, bottom = -far;
+    int behind = 0, unsure = 0;
+    for (int corner = 0; corner < 8; ++corner) {
+        const Sighting at = sightingOf(into, static_cast<float>((corner & 1) != 0 ? block.x1 : block.x0),
+                                       static_cast<float>((corner & 2) != 0 ? block.y1 : block.y0),
+                                       (corner & 4) != 0 ? highestDisparity : lowestDisparity);
+        behind += at.w < 0;
+        // So near to the plane of the eye rounding decides.
+        unsure += !(at.w > 0 && std::abs(at.u) < 1e6f && std::abs(at.v) < 1e6f);
+        left = std::min(left, at.u), right = std::max(right, at.u);
+        top = std::min(top, at.v), bottom = std::max(bottom, at.v);
+    }
+    if (behind == 8) return {};
+    if (unsure > 0) return {0, 0, target.width, target.height};
+    // A pixel more to each side, for rounding. Clamped before they become whole numbers: they may be huge.
+    const auto pixel = [](float place, int margin, int size) {
+        return static_cast<int>(std::clamp(place, -2.f, static_cast<float>(size) + 2.f)) + margin;
+    };
+    return {std::max(pixel(left, -2, target.width), 0), std::max(pixel(top, -2, target.height), 0),
+            std::min(pixel(right, 2, target.width), target.width),
+            std::min(pixel(bottom, 2, target.height), target.height)};
 }
 
 namespace {

@@ -36,6 +36,17 @@ inline Sighting sightingOf(const Reprojection& into, float x, float y, float dis
     return {h.x * perW, h.y * perW, disparity * perW, h.z};
 }
 
+/// Pixels of an image, x1 and y1 excluded.
+struct PixelBox {
+    int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
+    bool isEmpty() const { return x0 >= x1 || y0 >= y1; }
+};
+
+/// All pixels of the target in which samples of a block of the source can be seen: those whose places are within
+/// `block` and whose disparities lie between the two. Somewhat too large, never too small.
+PixelBox boundsOfSightings(const Reprojection& into, const PixelBox& block, float lowestDisparity,
+                           float highestDisparity, const Camera& target);
+
 /// How a sample of A stands to what B saw along the same ray.
 enum class Relation {
     outside, ///< behind B, beside its image, or where B has no range

@@ -24,8 +24,10 @@ double fade(double t) {
     return t * t * t * (t * (t * 6.0 - 15.0) + 10.0);
 }
 
+/// Without std::floor, which plain x86-64 has to call for.
 std::int64_t floorOf(double value) {
-    return static_cast<std::int64_t>(std::floor(value));
+    const auto cut = static_cast<std::int64_t>(value);
+    return cut - (static_cast<double>(cut) > value ? 1 : 0);
 }
 
 /// 1 on lines of the given width at whole multiples of the period, 0 between.

@@ -2,7 +2,8 @@
 function(revisit_program_test name)
     revisit_test(${name} ${ARGN} LINKS nlohmann_json::nlohmann_json opencv_core opencv_imgcodecs)
     target_compile_definitions(${name} PRIVATE REVISIT_PROGRAM="$<TARGET_FILE:revisit>"
-        REVISIT_MAKE_SAMPLE="$<TARGET_FILE:make_sample>")
+        REVISIT_MAKE_SAMPLE="$<TARGET_FILE:make_sample>" REVISIT_KEPT_SAMPLES="${CMAKE_BINARY_DIR}/samples")
+    target_sources(${name} PRIVATE ${CMAKE_CURRENT_SOURCE_DIR}/app/made_sample.cpp)
     target_include_directories(${name} SYSTEM PRIVATE ${OpenCV_INCLUDE_DIRS})
     add_dependencies(${name} revisit make_sample)
 endfunction()

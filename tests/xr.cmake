@@ -19,9 +19,9 @@ revisit_test(revisit_headset_tests LABELS gpu LINKS revisit_monado revisit_rende
 target_compile_definitions(revisit_headset_tests PRIVATE REVISIT_FAKE_RUNTIME="$<TARGET_FILE:revisit_fake_runtime>")
 add_dependencies(revisit_headset_tests revisit_fake_runtime)
 revisit_test(revisit_controllers_tests LABELS programs LINKS app revisit_monado nlohmann_json::nlohmann_json
-    SOURCES app/program.cpp xr/controllers_test.cpp)
+    SOURCES app/made_sample.cpp app/program.cpp xr/controllers_test.cpp)
 target_compile_definitions(revisit_controllers_tests PRIVATE REVISIT_PROGRAM="$<TARGET_FILE:revisit>"
-    REVISIT_MAKE_SAMPLE="$<TARGET_FILE:make_sample>")
+    REVISIT_MAKE_SAMPLE="$<TARGET_FILE:make_sample>" REVISIT_KEPT_SAMPLES="${CMAKE_BINARY_DIR}/samples")
 add_dependencies(revisit_controllers_tests revisit make_sample)
 
 # The walk, run as a user would.

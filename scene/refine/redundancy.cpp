@@ -64,9 +64,47 @@ std::vector<std::uint32_t> rankImages(const std::vector<std::vector<Partner>>& p
     return rankOf;
 }
 
+/// What an image keeps so far, and in which of its blocks of pixels anything is.
+class KeptSamples {
+  public:
+    explicit KeptSamples(const Camera& camera)
+        : samples(camera.width, camera.height, Keep::no),
+          blocks_((camera.width - 1) / kBlock + 1, (camera.height - 1) / kBlock + 1, 0) {}
+
+    /// To be called when samples of these pixels were decided on; not at the same time for the same block.
+    void noteChanges(const PixelBox& pixels) {
+        for (int y = pixels.y0 / kBlock; y <= (pixels.y1 - 1) / kBlock; ++y)
+            for (int x = pixels.x0 / kBlock; x <= (pixels.x1 - 1) / kBlock; ++x)
+                blocks_(x, y) = hasAny({x * kBlock, y * kBlock, std::min((x + 1) * kBlock, samples.width()),
+                                        std::min((y + 1) * kBlock, samples.height())});
+    }
+
+    bool mayHaveAnyIn(const PixelBox& pixels) const {
+        if (pixels.isEmpty()) return false;
+        for (int y = pixels.y0 / kBlock; y <= (pixels.y1 - 1) / kBlock; ++y)
+            for (int x = pixels.x0 / kBlock; x <= (pixels.x1 - 1) / kBlock; ++x)
+                if (blocks_(x, y) != 0) return true;
+        return false;
+    }
+
+    Image<Keep> samples;
+
+  private:
+    static constexpr int kBlock = 16;
+
+    bool hasAny(const PixelBox& pixels) const {
+        for (int y = pixels.y0; y < pixels.y1; ++y)
+            for (int x = pixels.x0; x < pixels.x1; ++x)
+                if (samples(x, y) != Keep::no) return true;
+        return false;
+    }
+
+    Image<std::uint8_t> blocks_;
+};
+
 /// Samples of a partner that are kept already, and the way there.
 struct KeptPartner {
-    const Image<Keep>* kept;
+    const KeptSamples* kept;
     const DepthImage* image;
     Reprojection into;
     float baseline; ///< metres between the two cameras
@@ -88,7 +126,7 @@ bool isCovered(const KeptPartner& partner, const Candidate& sample, float maxBas
         !(at.v < static_cast<float>(camera.height)))
         return false;
     const int x = static_cast<int>(at.u), y = static_cast<int>(at.v);
-    if ((*partner.kept)(x, y) == Keep::no) return false;
+    if (partner.kept->samples(x, y) == Keep::no) return false;
     // A guess covers a guess; it never takes the place of what was measured.
     if (isGuess(partner.image->flags(x, y)))
         return sample.isGuess &&
@@ -102,7 +140,7 @@ class Keeper {
     Keeper(ImageStore& images, const std::vector<std::vector<Partner>>& partners, const RedundancyOptions& options)
         : images_(images), partners_(partners), options_(options), hasKept_(images.size(), 0) {
         for (std::size_t i = 0; i < images.size(); ++i)
-            kept.emplace_back(images.at(i).camera.width, images.at(i).camera.height, Keep::no);
+            kept_.emplace_back(images.at(i).camera);
     }
 
     std::int64_t keep(std::span<const RankedTile> tiles, Keep tier, float maxBaseline) {
@@ -114,34 +152,67 @@ class Keeper {
             if (!hasKept_[partner.image]) continue;
             leases.push_back(images_.borrow(partner.image));
             const DepthImage& other = *leases.back();
-            before.push_back({&kept[partner.image], &other, reprojectionInto(other, *image),
+            before.push_back({&kept_[partner.image], &other, reprojectionInto(other, *image),
                               static_cast<float>(glm::distance(image->worldFromCamera.translation,
                                                                other.worldFromCamera.translation))});
         }
         std::atomic<std::int64_t> count = 0;
         tbb::parallel_for(std::size_t{0}, tiles.size(),
                           [&](std::size_t t) { count += keepTile(tiles[t], *image, before, tier, maxBaseline); });
+        for (const RankedTile& tile : tiles)
+            kept_[self].noteChanges(pixelsOf(tile, *image));
         hasKept_[self] = 1;
         return count;
     }
 
-    std::vector<Image<Keep>> kept;
+    const Image<Keep>& keptOf(std::size_t image) const { return kept_[image].samples; }
+
+    std::vector<Image<Keep>> take() {
+        std::vector<Image<Keep>> all;
+        for (KeptSamples& kept : kept_)
+            all.push_back(std::move(kept.samples));
+        return all;
+    }
 
   private:
+    PixelBox pixelsOf(const RankedTile& tile, const DepthImage& image) const {
+        return {tile.x0, tile.y0, std::min(tile.x0 + options_.tileSize, image.camera.width),
+                std::min(tile.y0 + options_.tileSize, image.camera.height)};
+    }
+
     template <class Visit>
-    void forSamples(const RankedTile& tile, const DepthImage& image, Visit visit) const {
-        for (int y = tile.y0; y < std::min(tile.y0 + options_.tileSize, image.camera.height); ++y)
-            for (int x = tile.x0; x < std::min(tile.x0 + options_.tileSize, image.camera.width); ++x)
+    static void forSamples(const PixelBox& pixels, Visit visit) {
+        for (int y = pixels.y0; y < pixels.y1; ++y)
+            for (int x = pixels.x0; x < pixels.x1; ++x)
                 visit(x, y);
     }
 
-    std::int64_t keepTile(const RankedTile& tile, const DepthImage& image, const std::vector<KeptPartner>& before,
+    /// Those of the partners that can cover a sample among these pixels at all.
+    static std::vector<KeptPartner> partnersAbout(const PixelBox& pixels, const DepthImage& image,
+                                                  const std::vector<KeptPartner>& before) {
+        float lowest = std::numeric_limits<float>::max(), highest = 0;
+        forSamples(pixels, [&](int x, int y) {
+            if (!isDrawable(image.flags(x, y))) return;
+            lowest = std::min(lowest, image.disparity(x, y));
+            highest = std::max(highest, image.disparity(x, y));
+        });
+        std::vector<KeptPartner> about;
+        for (const KeptPartner& partner : before)
+            if (partner.kept->mayHaveAnyIn(
+                    boundsOfSightings(partner.into, pixels, lowest, highest, partner.image->camera)))
+                about.push_back(partner);
+        return about;
+    }
+
+    std::int64_t keepTile(const RankedTile& tile, const DepthImage& image, const std::vector<KeptPartner>& all,
                           Keep tier, float maxBaseline) {
+        const PixelBox pixels = pixelsOf(tile, image);
+        const std::vector<KeptPartner> before = partnersAbout(pixels, image, all);
         std::int64_t count = 0, wanted = 0, there = 0;
         std::size_t likely = 0; // the partner that covered the last sample most likely covers the next
-        for (int y = tile.y0; y < std::min(tile.y0 + options_.tileSize, image.camera.height); ++y)
-            for (int x = tile.x0; x < std::min(tile.x0 + options_.tileSize, image.camera.width); ++x) {
-                Keep& mine = kept[tile.image](x, y);
+        for (int y = pixels.y0; y < pixels.y1; ++y)
+            for (int x = pixels.x0; x < pixels.x1; ++x) {
+                Keep& mine = kept_[tile.image].samples(x, y);
                 const bool guess = isGuess(image.flags(x, y));
                 if (guess ? tier == Keep::base : !isSurface(image.flags(x, y))) continue;
                 ++there;
@@ -165,8 +236,8 @@ class Keeper {
         const bool isPatch =
             wanted > 0 && static_cast<float>(wanted) >= options_.minPatchShare * static_cast<float>(there);
         count = 0;
-        forSamples(tile, image, [&](int x, int y) {
-            Keep& mine = kept[tile.image](x, y);
+        forSamples(pixels, [&](int x, int y) {
+            Keep& mine = kept_[tile.image].samples(x, y);
             const std::uint8_t flags = image.flags(x, y);
             if (mine == Keep::base || !isDrawable(flags)) return;
             // A guess is no surface: only where nobody measured is it kept.
@@ -179,6 +250,7 @@ class Keeper {
     ImageStore& images_;
     const std::vector<std::vector<Partner>>& partners_;
     const RedundancyOptions& options_;
+    std::vector<KeptSamples> kept_;
     std::vector<std::uint8_t> hasKept_;
 };
 
@@ -235,9 +307,9 @@ std::vector<Image<Keep>> findKept(ImageStore& images, const std::vector<std::vec
         const auto flags = image->flags.pixels();
         figures.samples += std::count_if(flags.begin(), flags.end(), isSurface);
         for (std::size_t p = 0; p < flags.size(); ++p)
-            figures.guesses += isGuess(flags[p]) && keeper.kept[i].pixels()[p] != Keep::no;
+            figures.guesses += isGuess(flags[p]) && keeper.keptOf(i).pixels()[p] != Keep::no;
     }
-    return std::move(keeper.kept);
+    return keeper.take();
 }
 
 } // namespace scene

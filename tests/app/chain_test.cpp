@@ -4,6 +4,7 @@
 #include "scene/pose.h"
 
 #include "tests/app/comparison.h"
+#include "tests/app/made_sample.h"
 #include "tests/app/pose_json.h"
 #include "tests/app/program.h"
 #include "tests/scene/scratch_folder.h"
@@ -20,7 +21,7 @@ namespace {
 
 using nlohmann::json;
 
-const std::string kRevisit = REVISIT_PROGRAM, kMakeSample = REVISIT_MAKE_SAMPLE;
+const std::string kRevisit = REVISIT_PROGRAM;
 constexpr int kSeen = 1; ///< class of a pixel
 
 class Chain : public testing::Test {
@@ -30,6 +31,10 @@ class Chain : public testing::Test {
     void must(const std::vector<std::string>& command) const {
         const Outcome outcome = run(command, scratch_.path());
         ASSERT_EQ(outcome.status, 0) << testing::PrintToString(command) << outcome.output;
+    }
+    void make(const std::vector<std::string>& arguments) const {
+        const Outcome made = makeSample(arguments, scratch_.path());
+        ASSERT_EQ(made.status, 0) << made.output;
     }
 
     /// The cameras of the true pictures, in the world of a scene.
@@ -88,17 +93,17 @@ class Chain : public testing::Test {
 };
 
 TEST_F(Chain, FromRawScansAndPhotographsCostsNoMoreThanOneAndAHalfDecibels) {
-    must({kMakeSample, path("truth"), "--scene", "room", "--images", "6", "--size", "320x240", "--samples", "4"});
+    make({path("truth"), "--scene", "room", "--images", "6", "--size", "320x240", "--samples", "4"});
     const auto sample = [&](const std::string& name, const std::vector<std::string>& faults) {
-        std::vector<std::string> command{kMakeSample,     path(name), "--scene",           "room",   "--scanner",
-                                         "--scans",       "2",        "--density",         "5",      "--no-colour",
-                                         "--photographs", "7",        "--photograph-size", "400x300"};
+        std::vector<std::string> command{path(name), "--scene",           "room",   "--scanner",   "--scans",
+                                         "2",        "--density",         "5",      "--no-colour", "--photographs",
+                                         "7",        "--photograph-size", "400x300"};
         command.insert(command.end(), faults.begin(), faults.end());
-        must(command);
+        make(command);
     };
     sample("perfect", {"--range-noise-mm", "0", "--photograph-error", "0", "--exposure-drift", "0"});
     sample("raw", {"--photograph-error", "2", "--exposure-drift", "0.5", "--wrong-constants", "--poses-unknown"});
-    must({kMakeSample, path("walls"), "--scene", "room", "--scanner", "--scans", "1", "--density", "2.5", "--no-colour",
+    make({path("walls"), "--scene", "room", "--scanner", "--scans", "1", "--density", "2.5", "--no-colour",
           "--both-faces", "--wrong-constants"});
     must({kRevisit, "calibrate", "scanner", path("walls/scans.e57"), "-o", path("scanner.json")});
     must({kRevisit, "build", path("perfect/scans.e57"), "-o", path("perfect.revisit"), "--camera",

@@ -1,6 +1,7 @@
 // The real window on a screen without a monitor, with real keys and a real mouse.
 
 #include "tests/app/comparison.h"
+#include "tests/app/made_sample.h"
 #include "tests/app/program.h"
 #include "tests/app/screen.h"
 #include "tests/scene/scratch_folder.h"
@@ -22,7 +23,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const std::string kRevisit = REVISIT_PROGRAM, kMakeSample = REVISIT_MAKE_SAMPLE;
+const std::string kRevisit = REVISIT_PROGRAM;
 
 /// A small scene, a screen, and the program on it.
 class Desktop : public testing::Test {
@@ -30,8 +31,8 @@ class Desktop : public testing::Test {
     void SetUp() override {
         if (!canHaveScreen()) GTEST_SKIP() << "Xvfb, xdotool or import is missing";
         const fs::path capture = scratch_ / "capture";
-        const Outcome made = run(
-            {kMakeSample, capture.string(), "--scene", "room", "--images", "6", "--size", "320x240"}, scratch_.path());
+        const Outcome made =
+            makeSample({capture.string(), "--scene", "room", "--images", "6", "--size", "320x240"}, scratch_.path());
         ASSERT_EQ(made.status, 0) << made.output;
         const Outcome built = run({kRevisit, "build", capture.string(), "-o", scene()}, scratch_.path());
         ASSERT_EQ(built.status, 0) << built.output;

@@ -1,6 +1,7 @@
 // Devices that fail: lost, full, or without what is needed. The programs run on one that is made faulty by a layer.
 
 #include "tests/app/comparison.h"
+#include "tests/app/made_sample.h"
 #include "tests/app/program.h"
 #include "tests/app/sample_scene.h"
 
@@ -19,8 +20,7 @@ class FaultyDevice : public testing::Test {
   protected:
     static void SetUpTestSuite() {
         const Outcome made =
-            run({REVISIT_MAKE_SAMPLE, path("capture"), "--scene", "room", "--images", "6", "--size", "96x72"},
-                scratch_.path());
+            makeSample({path("capture"), "--scene", "room", "--images", "6", "--size", "96x72"}, scratch_.path());
         ASSERT_EQ(made.status, 0) << made.output;
         prepare(path("capture"), path("room.revisit"), scratch_.path(), {"--coverage"});
         nlohmann::json poses = nlohmann::json::array();

@@ -2,6 +2,7 @@
 // and with more room it goes on as if nothing had happened. The small disk is one in memory, mounted in a namespace of
 // its own.
 
+#include "tests/app/made_sample.h"
 #include "tests/app/program.h"
 #include "tests/scene/scratch_folder.h"
 
@@ -15,7 +16,7 @@ namespace app {
 
 namespace {
 
-const std::string kRevisit = REVISIT_PROGRAM, kMakeSample = REVISIT_MAKE_SAMPLE;
+const std::string kRevisit = REVISIT_PROGRAM;
 constexpr double kShares[] = {0.02, 0.1, 0.25, 0.4, 0.55, 0.7, 0.8, 0.9, 0.97}; ///< of the room that is needed
 
 /// sh -c SCRIPT with $1, $2, ... in a namespace where it may mount.
@@ -55,7 +56,7 @@ class FullDisk : public testing::Test {
     void SetUp() override {
         if (!canMount(scratch_)) GTEST_SKIP() << "because no file system can be mounted in a user namespace here";
         const Outcome made =
-            run({kMakeSample, capture(), "--scene", "room", "--images", "6", "--size", "160x120"}, scratch_.path());
+            makeSample({capture(), "--scene", "room", "--images", "6", "--size", "160x120"}, scratch_.path());
         ASSERT_EQ(made.status, 0) << made.output;
         const Outcome built =
             run({kRevisit, "build", capture(), "-o", whole(), "--hold-out", "every:3:1"}, scratch_.path());

@@ -4,6 +4,7 @@
 #include "scene/pose.h"
 
 #include "tests/app/comparison.h"
+#include "tests/app/made_sample.h"
 #include "tests/app/program.h"
 #include "tests/scene/scratch_folder.h"
 
@@ -21,7 +22,7 @@ namespace {
 using nlohmann::json;
 using testing::HasSubstr;
 
-const std::string kRevisit = REVISIT_PROGRAM, kMakeSample = REVISIT_MAKE_SAMPLE;
+const std::string kRevisit = REVISIT_PROGRAM;
 
 class Instruments : public testing::Test {
   protected:
@@ -31,10 +32,7 @@ class Instruments : public testing::Test {
         arguments.insert(arguments.begin(), kRevisit);
         return run(arguments, folder());
     }
-    Outcome sample(std::vector<std::string> arguments) const {
-        arguments.insert(arguments.begin(), kMakeSample);
-        return run(arguments, folder());
-    }
+    Outcome sample(const std::vector<std::string>& arguments) const { return makeSample(arguments, folder()); }
 
   private:
     scene::ScratchFolder scratch_;

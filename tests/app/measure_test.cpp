@@ -1,6 +1,7 @@
 // `revisit measure` on a small room: its figures are those of the pictures that `render` writes.
 
 #include "tests/app/comparison.h"
+#include "tests/app/made_sample.h"
 #include "tests/app/program.h"
 #include "tests/scene/scratch_folder.h"
 
@@ -16,14 +17,14 @@ namespace app {
 namespace {
 
 using nlohmann::json;
-const std::string kRevisit = REVISIT_PROGRAM, kMakeSample = REVISIT_MAKE_SAMPLE;
+const std::string kRevisit = REVISIT_PROGRAM;
 
 class Measure : public testing::Test {
   protected:
     static void SetUpTestSuite() {
         scratch_ = new scene::ScratchFolder;
         const Outcome made =
-            run({kMakeSample, path("capture"), "--scene", "room", "--images", "10", "--size", "160x120"}, folder());
+            makeSample({path("capture"), "--scene", "room", "--images", "10", "--size", "160x120"}, folder());
         ASSERT_EQ(made.status, 0) << made.output;
         const Outcome built =
             run({kRevisit, "build", path("capture"), "-o", scene(), "--hold-out", "every:5:2"}, folder());

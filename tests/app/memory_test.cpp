@@ -1,6 +1,7 @@
 // A scene that may take less memory than it is large, or of which something was damaged, drawn by the program.
 
 #include "tests/app/comparison.h"
+#include "tests/app/made_sample.h"
 #include "tests/app/program.h"
 #include "tests/scene/scratch_folder.h"
 
@@ -17,14 +18,14 @@ namespace app {
 
 namespace {
 
-const std::string kRevisit = REVISIT_PROGRAM, kMakeSample = REVISIT_MAKE_SAMPLE;
+const std::string kRevisit = REVISIT_PROGRAM;
 
 class MemoryOfScene : public testing::Test {
   protected:
     static void SetUpTestSuite() {
         scratch_ = new scene::ScratchFolder;
         const Outcome made =
-            run({kMakeSample, path("capture"), "--scene", "room", "--images", "10", "--size", "320x240"}, folder());
+            makeSample({path("capture"), "--scene", "room", "--images", "10", "--size", "320x240"}, folder());
         ASSERT_EQ(made.status, 0) << made.output;
         const Outcome built =
             run({kRevisit, "build", path("capture"), "-o", path("room.revisit"), "--hold-out", "every:5:2"}, folder());

@@ -1,5 +1,6 @@
 // A machine without a Vulkan driver: preparing works, drawing says what is missing.
 
+#include "tests/app/made_sample.h"
 #include "tests/app/program.h"
 #include "tests/scene/scratch_folder.h"
 
@@ -12,14 +13,13 @@ namespace app {
 
 namespace {
 
-const std::string kRevisit = REVISIT_PROGRAM, kMakeSample = REVISIT_MAKE_SAMPLE;
+const std::string kRevisit = REVISIT_PROGRAM;
 
 TEST(NoDevice, BuildWorksAndRenderSaysWhatToInstall) {
     const scene::ScratchFolder scratch;
     const std::string capture = (scratch / "capture").string(), scene = (scratch / "room.revisit").string(),
                       out = (scratch / "frames").string();
-    const Outcome made =
-        run({kMakeSample, capture, "--scene", "room", "--images", "4", "--size", "64x48"}, scratch.path());
+    const Outcome made = makeSample({capture, "--scene", "room", "--images", "4", "--size", "64x48"}, scratch.path());
     ASSERT_EQ(made.status, 0) << made.output;
     std::ofstream(scratch / "empty.json").close();
     // The loader says nothing of its own then; what the test wants is our line.

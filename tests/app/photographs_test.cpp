@@ -5,6 +5,7 @@
 #include "scene/pose.h"
 
 #include "tests/app/comparison.h"
+#include "tests/app/made_sample.h"
 #include "tests/app/pose_json.h"
 #include "tests/app/program.h"
 #include "tests/scene/scratch_folder.h"
@@ -36,9 +37,9 @@ class Photographs : public testing::Test {
     static void SetUpTestSuite() {
         scratch_ = new scene::ScratchFolder;
         const Outcome made =
-            run({kMakeSample, path("capture"), "--scene", "room", "--scanner", "--scans", "1", "--density", "3",
-                 "--no-colour", "--photographs", "6", "--photograph-size", "320x240", "--exposure-drift", "0.3"},
-                folder());
+            makeSample({path("capture"), "--scene", "room", "--scanner", "--scans", "1", "--density", "3",
+                        "--no-colour", "--photographs", "6", "--photograph-size", "320x240", "--exposure-drift", "0.3"},
+                       folder());
         ASSERT_EQ(made.status, 0) << made.output;
     }
     static void TearDownTestSuite() { delete scratch_; }

@@ -3,6 +3,7 @@
 #include "scene/pose.h"
 
 #include "tests/app/comparison.h"
+#include "tests/app/made_sample.h"
 #include "tests/app/pose_json.h"
 #include "tests/app/program.h"
 #include "tests/scene/scratch_folder.h"
@@ -26,7 +27,7 @@ using testing::ContainsRegex;
 using testing::HasSubstr;
 using testing::Not;
 
-const std::string kRevisit = REVISIT_PROGRAM, kMakeSample = REVISIT_MAKE_SAMPLE;
+const std::string kRevisit = REVISIT_PROGRAM;
 constexpr int kImages = 36;
 
 /// A capture of the room with noise, and the same with other poses in its transforms.json, made once.
@@ -34,9 +35,8 @@ class Poses : public testing::Test {
   protected:
     static void SetUpTestSuite() {
         scratch_ = new scene::ScratchFolder;
-        const Outcome made = run(
-            {kMakeSample, path("true"), "--images", std::to_string(kImages), "--size", "320x240", "--noise-mm", "2"},
-            folder());
+        const Outcome made = makeSample(
+            {path("true"), "--images", std::to_string(kImages), "--size", "320x240", "--noise-mm", "2"}, folder());
         ASSERT_EQ(made.status, 0) << made.output;
         std::filesystem::copy(path("true"), path("off"), std::filesystem::copy_options::recursive);
         json transforms = readJson(path("off/transforms.json"));

@@ -1,5 +1,6 @@
 #include "tests/app/sample_scene.h"
 
+#include "tests/app/made_sample.h"
 #include "tests/app/program.h"
 
 #include <stdexcept>
@@ -24,8 +25,9 @@ void prepare(const std::string& capture, const std::string& scene, const std::fi
 
 SampleScene::SampleScene(const std::string& kind, int images, const std::string& size) {
     const std::string capture = (folder_ / "capture").string();
-    runOrThrow({REVISIT_MAKE_SAMPLE, capture, "--scene", kind, "--images", std::to_string(images), "--size", size},
-               folder_.path());
+    const Outcome made =
+        makeSample({capture, "--scene", kind, "--images", std::to_string(images), "--size", size}, folder_.path());
+    if (made.status != 0) throw std::runtime_error("make_sample failed:\n" + made.output);
     prepare(capture, scene(), folder_.path(), {});
 }
 

@@ -3,6 +3,7 @@
 #include "scene/pose.h"
 
 #include "tests/app/comparison.h"
+#include "tests/app/made_sample.h"
 #include "tests/app/pose_json.h"
 #include "tests/app/program.h"
 #include "tests/scene/scratch_folder.h"
@@ -30,9 +31,9 @@ class Scans : public testing::Test {
   protected:
     static void SetUpTestSuite() {
         scratch_ = new scene::ScratchFolder;
-        const Outcome made = run({kMakeSample, path("capture"), "--scene", "room", "--scanner", "--scans", "2",
-                                  "--density", "2", "--no-colour", "--poses-unknown"},
-                                 folder());
+        const Outcome made = makeSample({path("capture"), "--scene", "room", "--scanner", "--scans", "2", "--density",
+                                         "2", "--no-colour", "--poses-unknown"},
+                                        folder());
         ASSERT_EQ(made.status, 0) << made.output;
     }
     static void TearDownTestSuite() { delete scratch_; }

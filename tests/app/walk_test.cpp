@@ -1,6 +1,7 @@
 // From a capture to stereo frames with the built programs; and what happens when they are killed or given rubbish.
 
 #include "tests/app/comparison.h"
+#include "tests/app/made_sample.h"
 #include "tests/app/program.h"
 #include "tests/scene/scratch_folder.h"
 
@@ -22,7 +23,7 @@ namespace app {
 
 namespace {
 
-const std::string kRevisit = REVISIT_PROGRAM, kMakeSample = REVISIT_MAKE_SAMPLE;
+const std::string kRevisit = REVISIT_PROGRAM;
 
 /// A small capture, made once for all tests of the program.
 class Walk : public testing::Test {
@@ -30,7 +31,7 @@ class Walk : public testing::Test {
     static void SetUpTestSuite() {
         scratch_ = new scene::ScratchFolder;
         const Outcome made =
-            run({kMakeSample, capture(), "--scene", "room", "--images", "10", "--size", "160x120"}, folder());
+            makeSample({capture(), "--scene", "room", "--images", "10", "--size", "160x120"}, folder());
         ASSERT_EQ(made.status, 0) << made.output;
         const Outcome built =
             run({kRevisit, "build", capture(), "-o", path("room.revisit"), "--hold-out", "every:5:2"}, folder());

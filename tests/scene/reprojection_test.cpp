@@ -35,6 +35,33 @@ TEST(Reprojection, IsThatOfDoublePrecisionFarFromTheOrigin) {
     }
 }
 
+TEST(Reprojection, BoundsHoldEverySightingOfABlock) {
+    RandomPlaces random(5);
+    int tight = 0, inside = 0;
+    for (int i = 0; i < 3000; ++i) {
+        const Camera source = smallCamera(), target{320, 200, 150, 170, 155, 101};
+        const Pose worldFromSource = random.pose(1, kFarFromOrigin), worldFromTarget = random.pose(1, kFarFromOrigin);
+        const Reprojection into = reprojectionInto(target, worldFromTarget, source, worldFromSource);
+        const int x = static_cast<int>(random.between(0, 144)), y = static_cast<int>(random.between(0, 104));
+        const PixelBox block{x, y, x + 16, y + 16};
+        const float low = static_cast<float>(random.between(0.01, 2));
+        const float high = low * static_cast<float>(random.between(1, i % 2 == 0 ? 1.1 : 30));
+        const PixelBox bounds = boundsOfSightings(into, block, low, high, target);
+        tight += bounds.isEmpty() || bounds.x1 - bounds.x0 < target.width / 2;
+        for (int k = 0; k < 60; ++k) {
+            const Sighting at = sightingOf(into, static_cast<float>(random.between(x, x + 16)),
+                                           static_cast<float>(random.between(y, y + 16)),
+                                           static_cast<float>(random.between(low, high)));
+            if (!(at.w > 0 && at.u >= 0 && at.v >= 0 && at.u < 320 && at.v < 200)) continue;
+            ++inside;
+            const int u = static_cast<int>(at.u), v = static_cast<int>(at.v);
+            ASSERT_TRUE(u >= bounds.x0 && u < bounds.x1 && v >= bounds.y0 && v < bounds.y1) << "case " << i;
+        }
+    }
+    EXPECT_GT(inside, 10000);
+    EXPECT_GT(tight, 2000) << "bounds that say nothing are of no use";
+}
+
 TEST(CompareWith, IsExactOnPlanes) {
     RandomPlaces random(2);
     int compared = 0;

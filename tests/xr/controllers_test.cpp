@@ -3,6 +3,7 @@
 #include "app/walk_stage.h"
 #include "input/locomotion.h"
 #include "scene/scene_file.h"
+#include "tests/app/made_sample.h"
 #include "tests/app/program.h"
 #include "tests/scene/scratch_folder.h"
 #include "tests/xr/monado.h"
@@ -35,9 +36,9 @@ class Controllers : public testing::Test {
     void SetUp() override {
         if (!isMonadoThere()) GTEST_SKIP() << "Monado is missing; ./dev test provides it";
         const auto path = [&](const char* name) { return (scratch_ / name).string(); };
-        const app::Outcome made = app::run({REVISIT_MAKE_SAMPLE, path("capture"), "--scene", "room", "--images", "4",
-                                            "--size", "160x120", "--samples", "1"},
-                                           scratch_.path());
+        const app::Outcome made = app::makeSample(
+            {path("capture"), "--scene", "room", "--images", "4", "--size", "160x120", "--samples", "1"},
+            scratch_.path());
         ASSERT_EQ(made.status, 0) << made.output;
         const app::Outcome built =
             app::run({REVISIT_PROGRAM, "build", path("capture"), "-o", path("a.revisit")}, scratch_.path());
