@@ -7,7 +7,6 @@
 
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
-#include <opencv2/videoio.hpp>
 
 namespace app {
 
@@ -75,22 +74,22 @@ void PictureKeeper::keep(std::span<const xr::WindowPicture> pictures, const glm:
 bool PictureKeeper::beginFilm() {
     endFilm();
     filmName_ = nameNow(".avi");
-    film_ = std::make_unique<cv::VideoWriter>();
+    isFilming_ = true;
     filmStart_ = std::chrono::steady_clock::now();
     filmFrames_ = 0;
     return true;
 }
 
 void PictureKeeper::addToFilm(std::span<const xr::WindowPicture> pictures) {
-    if (film_ == nullptr || pictures.empty()) return;
+    if (!isFilming_ || pictures.empty()) return;
     cv::Mat frame = sideBySide(pictures);
-    if (!film_->isOpened()) {
+    if (film_ == nullptr) {
         filmWidth_ = frame.cols, filmHeight_ = frame.rows;
-        if (!film_->open(filmName_, cv::CAP_OPENCV_MJPEG, cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), kFilmRate,
-                         frame.size())) {
+        film_ = openFilm(filmName_, kFilmRate, filmWidth_, filmHeight_);
+        if (film_ == nullptr) {
             std::fprintf(stderr, "revisit: %s: no film can be made; check the folder and the space on its disk\n",
                          filmName_.c_str());
-            film_.reset();
+            isFilming_ = false;
             return;
         }
         filmStart_ = std::chrono::steady_clock::now();
@@ -103,10 +102,10 @@ void PictureKeeper::addToFilm(std::span<const xr::WindowPicture> pictures) {
 }
 
 void PictureKeeper::endFilm() {
+    isFilming_ = false;
     if (film_ == nullptr) return;
-    const bool isFilm = film_->isOpened();
     film_.reset();
-    if (isFilm) std::fprintf(stderr, "kept %s\n", filmName_.c_str());
+    std::fprintf(stderr, "kept %s\n", filmName_.c_str());
 }
 
 } // namespace app

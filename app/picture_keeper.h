@@ -1,6 +1,7 @@
 #pragma once
 // Screenshots and films of what a window shows, in the folder it was started in.
 
+#include "app/film_writer.h"
 #include "xr/window.h"
 
 #include <glm/glm.hpp>
@@ -9,10 +10,6 @@
 #include <memory>
 #include <span>
 #include <string>
-
-namespace cv {
-class VideoWriter;
-}
 
 namespace app {
 
@@ -34,7 +31,8 @@ class PictureKeeper {
     void endFilm();
 
   private:
-    std::unique_ptr<cv::VideoWriter> film_;
+    bool isFilming_ = false;
+    std::unique_ptr<FilmWriter> film_; ///< from the first picture on
     std::string filmName_;
     std::chrono::steady_clock::time_point filmStart_;
     int filmFrames_ = 0;
