@@ -18,7 +18,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr int kEvenVersion = 1;
+constexpr int kEvenVersion = 2;
 
 json describe(const ImportedImages& imported, const scene::ColourEvening& evening) {
     json images = json::object();

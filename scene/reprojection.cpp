@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include <glm/common.hpp>
+
 namespace scene {
 
 Reprojection reprojectionInto(const Camera& targetCamera, const Pose& worldFromTarget, const Camera& sourceCamera,
@@ -121,14 +123,14 @@ bool isBeforeAllAbout(const DepthImage& target, const Sighting& sighting, float 
 }
 
 glm::vec3 colourAt(const DepthImage& target, float u, float v) {
+    const float left = u - 0.5f, top = v - 0.5f;
+    if (left >= 0 && top >= 0 && left < static_cast<float>(target.camera.width - 1) &&
+        top < static_cast<float>(target.camera.height - 1))
+        return colourWithin(target, u, v);
     const Corners at = cornersAbout(target.camera, u, v);
-    const auto colour = [&](int x, int y) {
-        const Rgb8 c = target.colour(x, y);
-        return glm::vec3(c.r, c.g, c.b);
-    };
-    const glm::vec3 top = colour(at.x0, at.y0) * (1 - at.s) + colour(at.x1, at.y0) * at.s;
-    const glm::vec3 bottom = colour(at.x0, at.y1) * (1 - at.s) + colour(at.x1, at.y1) * at.s;
-    return top * (1 - at.t) + bottom * at.t;
+    const glm::vec3 above = glm::mix(colourOf(target, at.x0, at.y0), colourOf(target, at.x1, at.y0), at.s);
+    const glm::vec3 below = glm::mix(colourOf(target, at.x0, at.y1), colourOf(target, at.x1, at.y1), at.s);
+    return glm::mix(above, below, at.t);
 }
 
 } // namespace scene

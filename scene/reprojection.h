@@ -84,8 +84,29 @@ Comparison compareAnywhere(const DepthImage& target, const Sighting& sighting, c
 /// Whether every sample of B about the sighting is farther than it by more than tolerance.
 bool isBeforeAllAbout(const DepthImage& target, const Sighting& sighting, float tolerance);
 
-/// B's colour at (u, v): bilinear; call where compareWith found a smooth surface. Linear in the stored values, 0 to
-/// 255.
+/// The stored values of a pixel, 0 to 255.
+inline glm::vec3 colourOf(const DepthImage& image, int x, int y) {
+    const Rgb8 c = image.colour(x, y);
+    return {c.r, c.g, c.b};
+}
+
+/// Bilinear colour where all four samples about (u, v) are within the image. Linear in the stored values.
+inline glm::vec3 colourWithin(const DepthImage& image, float u, float v) {
+    const float left = u - 0.5f, top = v - 0.5f;
+    const int x = static_cast<int>(left), y = static_cast<int>(top);
+    const float s = left - static_cast<float>(x), t = top - static_cast<float>(y);
+    const Rgb8* const upper = &image.colour(x, y);
+    const Rgb8* const lower = upper + image.camera.width;
+    const auto mix = [&](std::uint8_t a, std::uint8_t b, std::uint8_t c, std::uint8_t d) {
+        const float above = static_cast<float>(a) + s * static_cast<float>(b - a);
+        const float below = static_cast<float>(c) + s * static_cast<float>(d - c);
+        return above + t * (below - above);
+    };
+    return {mix(upper[0].r, upper[1].r, lower[0].r, lower[1].r), mix(upper[0].g, upper[1].g, lower[0].g, lower[1].g),
+            mix(upper[0].b, upper[1].b, lower[0].b, lower[1].b)};
+}
+
+/// The same anywhere in the image; its rim goes on beyond it. Of B, where compareWith found a smooth surface.
 glm::vec3 colourAt(const DepthImage& target, float u, float v);
 
 // Inline, since the stages of refine compare every sample with every partner. The parts of the result stay apart until

@@ -4,17 +4,17 @@ revisit_test(revisit_align_tests LABELS scenes TIMEOUT 300 LINKS scene_align sce
         scene/align/scanner_calibration_test.cpp)
 
 # Cameras from boards.
-revisit_test(revisit_board_tests LABELS unit TIMEOUT 300
+revisit_test(revisit_board_tests READS LABELS unit TIMEOUT 300
     LINKS scene_align opencv_core opencv_imgproc opencv_imgcodecs opencv_calib3d
     SOURCES scene/align/camera_calibration_test.cpp)
 target_include_directories(revisit_board_tests SYSTEM PRIVATE ${OpenCV_INCLUDE_DIRS})
 
 # Photographs against each other.
-revisit_test(revisit_turn_tests LABELS unit LINKS scene_align Eigen3::Eigen
+revisit_test(revisit_turn_tests WHOLE LABELS unit LINKS scene_align Eigen3::Eigen
     SOURCES scene/align/neighbour_turn_test.cpp scene/align/turn_network_test.cpp)
 
 # Photographs with range against each other.
-revisit_test(revisit_joint_images_tests LABELS unit LINKS scene_align scene_refine TBB::tbb
+revisit_test(revisit_joint_images_tests WHOLE LABELS unit TIMEOUT 300 LINKS scene_align scene_refine TBB::tbb
     SOURCES scene/align/joint_images_test.cpp scene/known_scenes.cpp)
 
 # Photographs laid on scans, and what scattered samples become in a camera.

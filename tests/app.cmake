@@ -87,7 +87,7 @@ target_compile_definitions(revisit_faulty_device_tests PRIVATE REVISIT_FAULTY_LA
 add_dependencies(revisit_faulty_device_tests revisit_faulty_layer)
 
 # What the programs are made of.
-revisit_test(revisit_app_unit_tests LABELS unit LINKS app CLI11::CLI11 nlohmann_json::nlohmann_json
+revisit_test(revisit_app_unit_tests WHOLE LABELS unit LINKS app CLI11::CLI11 nlohmann_json::nlohmann_json
     SOURCES app/annotate_test.cpp app/desk_test.cpp app/governor_test.cpp app/kept_settings_test.cpp app/measure_table_test.cpp
         app/notes_test.cpp app/overlays_test.cpp
         app/picture_error_test.cpp app/positions_test.cpp app/quality_file_test.cpp

@@ -1,5 +1,5 @@
 # Polygon scenes: read, lit and looked at, against what is known of them; and built by the program.
-revisit_test(revisit_capture_tests LABELS unit
+revisit_test(revisit_capture_tests WHOLE LABELS unit TIMEOUT 300
     SOURCES
         scene/capture/cube_capture_test.cpp
         scene/capture/free_space_test.cpp

@@ -1,5 +1,5 @@
 # Walk cells.
-revisit_test(revisit_plan_tests LABELS unit LINKS scene scene_plan
+revisit_test(revisit_plan_tests WHOLE LABELS unit LINKS scene scene_plan
     SOURCES scene/plan/simplex_test.cpp scene/plan/walk_cells_test.cpp)
 revisit_test(revisit_position_search_tests LABELS scenes TIMEOUT 600 LINKS scene scene_plan TBB::tbb
     SOURCES scene/plan/known_sites.cpp scene/plan/position_search_test.cpp scene/plan/sight_search_test.cpp)

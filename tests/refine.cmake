@@ -1,5 +1,5 @@
 # Tests of what stands between import and plan: the warp on the processor, comparing images, refine, dropouts.
-revisit_test(revisit_refine_tests LABELS unit LINKS scene scene_project scene_refine TBB::tbb
+revisit_test(revisit_refine_tests WHOLE LABELS unit TIMEOUT 300 LINKS scene scene_project scene_refine TBB::tbb
     SOURCES
         scene/density_test.cpp
         scene/footprint_test.cpp
@@ -18,7 +18,7 @@ revisit_test(revisit_refine_tests LABELS unit LINKS scene scene_project scene_re
         scene/warp_test.cpp)
 
 # What the build reads and keeps: its own depth images, and captures made of pictures.
-revisit_test(revisit_picture_tests LABELS unit
+revisit_test(revisit_picture_tests WHOLE LABELS unit TIMEOUT 300
     LINKS scene scene_import TIFF::TIFF PkgConfig::XXHASH nlohmann_json::nlohmann_json opencv_core opencv_imgcodecs
     SOURCES
         scene/coverage_test.cpp

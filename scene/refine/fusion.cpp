@@ -35,11 +35,6 @@ float disparityOnPartner(const Reprojection& into, float x, float y, float partn
     return partnerDisparity * start / (1 - partnerDisparity * into.columnD.z);
 }
 
-glm::vec3 colourOf(const DepthImage& image, int x, int y) {
-    const Rgb8 c = image.colour(x, y);
-    return {c.r, c.g, c.b};
-}
-
 std::uint8_t toByte(float value) {
     return static_cast<std::uint8_t>(std::clamp(value + 0.5f, 0.f, 255.f));
 }

@@ -14,27 +14,6 @@ namespace scene {
 
 namespace {
 
-glm::vec3 colourOf(const DepthImage& image, int x, int y) {
-    const Rgb8 c = image.colour(x, y);
-    return {c.r, c.g, c.b};
-}
-
-/// Bilinear colour well within the image, where colourAt need not look for its rim.
-glm::vec3 colourWithin(const DepthImage& image, float u, float v) {
-    const float left = u - 0.5f, top = v - 0.5f;
-    const int x = static_cast<int>(left), y = static_cast<int>(top);
-    const float s = left - static_cast<float>(x), t = top - static_cast<float>(y);
-    const Rgb8* const upper = &image.colour(x, y);
-    const Rgb8* const lower = upper + image.camera.width;
-    const auto mix = [&](std::uint8_t a, std::uint8_t b, std::uint8_t c, std::uint8_t d) {
-        const float above = static_cast<float>(a) + s * static_cast<float>(b - a);
-        const float below = static_cast<float>(c) + s * static_cast<float>(d - c);
-        return above + t * (below - above);
-    };
-    return {mix(upper[0].r, upper[1].r, lower[0].r, lower[1].r), mix(upper[0].g, upper[1].g, lower[0].g, lower[1].g),
-            mix(upper[0].b, upper[1].b, lower[0].b, lower[1].b)};
-}
-
 float differenceOf(const glm::vec3& a, const glm::vec3& b) {
     const glm::vec3 d = glm::abs(a - b);
     return (d.x + d.y + d.z) / 3;
