@@ -3,6 +3,10 @@
 # removes the stamps.
 file(SHA256 ${PROGRAM} bytes)
 set(tried "${bytes} $ENV{GTEST_FILTER} $ENV{ASAN_OPTIONS} $ENV{UBSAN_OPTIONS} $ENV{TSAN_OPTIONS}")
+if("$ENV{TSAN_OPTIONS}" MATCHES "suppressions=([^:]+)")
+    file(SHA256 ${CMAKE_MATCH_1} suppressions)
+    string(APPEND tried " ${suppressions}")
+endif()
 if(EXISTS ${STAMP})
     file(READ ${STAMP} passed)
     if(passed STREQUAL tried)
