@@ -4,7 +4,7 @@ revisit_test(revisit_align_tests LABELS scenes TIMEOUT 300 LINKS scene_align sce
         scene/align/scanner_calibration_test.cpp)
 
 # Cameras from boards.
-revisit_test(revisit_board_tests READS LABELS unit TIMEOUT 300
+revisit_test(revisit_board_tests LABELS unit TIMEOUT 300
     LINKS scene_align opencv_core opencv_imgproc opencv_imgcodecs opencv_calib3d
     SOURCES scene/align/camera_calibration_test.cpp)
 target_include_directories(revisit_board_tests SYSTEM PRIVATE ${OpenCV_INCLUDE_DIRS})

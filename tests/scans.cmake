@@ -1,5 +1,5 @@
 # Scan import and projection: everything that is known of E57, PTX and the faces of the cube.
-revisit_test(revisit_scan_tests READS LABELS unit TIMEOUT 300
+revisit_test(revisit_scan_tests LABELS unit TIMEOUT 300
     SOURCES
         scene/import/e57_test.cpp
         scene/import/e57_damage_test.cpp
