@@ -65,7 +65,7 @@ EyeTarget makeEyeTarget(const Device& device, VkDescriptorSetLayout eyeLayout, i
     target.colours = Buffer(device, pixels * sizeof(std::uint32_t), kTexels | VK_BUFFER_USAGE_TRANSFER_SRC_BIT,
                             MemoryUse::hostReads);
     target.depths = Buffer(device, pixels * sizeof(float), kTexels, MemoryUse::hostReads);
-    const auto holes = static_cast<std::size_t>(holeColumnsAt(width, height, height));
+    const auto holes = static_cast<std::size_t>(pinholesAt(width, height, height));
     target.holes = Buffer(device, holes * sizeof(std::uint32_t), kStorage, MemoryUse::onDevice);
     target.zTexels = makeTexelView(device, target.zBuffer);
     const auto occluders = static_cast<std::size_t>(occludersAlong(width) * occludersAlong(height));

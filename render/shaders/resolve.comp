@@ -18,12 +18,6 @@ layout(set = 0, binding = 4) uniform usamplerBuffer zTexels;
 layout(std430, set = 0, binding = 5) buffer Holes { uint holes[]; };
 layout(push_constant) uniform Constants { ResolveConstants constants; };
 
-uvec2 keyAt(ivec2 pixel)
-{
-    bool isInside = pixel.x >= 0 && pixel.y >= 0 && pixel.x < constants.width && pixel.y < constants.height;
-    return isInside ? texelFetch(zTexels, pixel.y * constants.width + pixel.x).xy : uvec2(0u);
-}
-
 uint heldAt(int row, int word)
 {
     int across = holeWordsAcross(constants.width);
@@ -42,7 +36,8 @@ void listHoles(int row)
     int across = holeWordsAcross(constants.width);
     for (int word = int(gl_LocalInvocationID.x); word < across; word += int(gl_WorkGroupSize.x)) {
         uint asked = ~heldAt(row, word) & pixelsInWord(constants.width, word);
-        uint toFill = withBothEnds(row, word, asked, constants.fill.radius);
+        uint toFill = withBothEnds(row, word, asked, constants.fill.radius) |
+                      holes[pinholesAt(constants.width, constants.height, row) + word];
         for (; toFill != 0u; toFill &= toFill - 1u)
             list(row, word * kHoleWordBits + findLSB(toFill));
     }
@@ -54,7 +49,6 @@ void main()
     if (LISTS) listHoles(y);
     for (int x = int(gl_LocalInvocationID.x); x < constants.width; x += int(gl_WorkGroupSize.x)) {
         uvec2 key = texelFetch(zTexels, row + x).xy;
-        if (LISTS && isPinhole(ivec2(x, y), key, constants.fill)) list(y, x);
         colours[row + x] = colourAndClassOf(key);
         depths[row + x] = depthOf(key);
     }

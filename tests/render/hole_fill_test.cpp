@@ -30,7 +30,8 @@ struct Picture {
     uvec2 fill(int x, int y, const HoleFill& holes) const {
         const ivec2 pixel{x, y};
         const uvec2 own = keys(x, y);
-        const bool asks = isHole(own) || isPinhole(*this, pixel, own, holes);
+        const bool asks =
+            isHole(own) || isPinhole(own, (*this)(pixel - ivec2(1, 0)), (*this)(pixel - ivec2(0, 1)), holes);
         return asks ? filled(*this, pixel, own, holes) : own;
     }
 };

@@ -73,6 +73,8 @@ TEST(HoleWords, TheListsOfRowsDoNotOverlap) {
             EXPECT_EQ(holeCountAt(width, height, 0), holeWordsAcross(width) * height);
             EXPECT_EQ(holeColumnsAt(width, height, 0), holeCountAt(width, height, height - 1) + 1);
             EXPECT_EQ(holeColumnsAt(width, height, 1) - holeColumnsAt(width, height, 0), width);
+            EXPECT_EQ(pinholesAt(width, height, 0), holeColumnsAt(width, height, height - 1) + width);
+            EXPECT_EQ(pinholesAt(width, height, 1) - pinholesAt(width, height, 0), holeWordsAcross(width));
         }
 }
 

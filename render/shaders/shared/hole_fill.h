@@ -217,10 +217,9 @@ SHARED_FUNCTION float nearerThan(uvec2 own, HoleFill fill) {
 
 /// Whether a pixel that is no hole may be seen through a crack. What a crack shows is farther than what stands on both
 /// sides of it; along whichever axis it runs, the pixel to the left or the one above is no part of it.
-HOLE_FUNCTION bool isPinhole(HOLE_KEYS ivec2 pixel, uvec2 own, HoleFill fill) {
-    if (isHole(own) || fill.pinholeDepth <= 0.0f) return false;
-    float left = eyeDisparityOf(keyAt(pixel - ivec2(1, 0))), above = eyeDisparityOf(keyAt(pixel - ivec2(0, 1)));
-    return max(left, above) > nearerThan(own, fill);
+SHARED_FUNCTION bool isPinhole(uvec2 own, uvec2 left, uvec2 above, HoleFill fill) {
+    float nearest = max(eyeDisparityOf(left), eyeDisparityOf(above));
+    return !isHole(own) && fill.pinholeDepth > 0.0f && nearest > nearerThan(own, fill);
 }
 
 /// What a hole or pinhole shows whose key is `own`: what it is filled with, if anything, else itself.

@@ -36,12 +36,15 @@ SHARED_FUNCTION uint pixelsInWord(int width, int word) {
 }
 
 /// Holes in a picture, as indices into one buffer of uints: words as above, row by row; how many pixels of each row are
-/// to be filled; and their columns, as many for each row as it has pixels.
+/// to be filled; their columns, as many for each row as it has pixels; and words of what may be seen through a crack.
 SHARED_FUNCTION int holeCountAt(int width, int height, int row) {
     return holeWordsAcross(width) * height + row;
 }
 SHARED_FUNCTION int holeColumnsAt(int width, int height, int row) {
     return holeCountAt(width, height, height) + row * width;
+}
+SHARED_FUNCTION int pinholesAt(int width, int height, int row) {
+    return holeColumnsAt(width, height, height) + row * holeWordsAcross(width);
 }
 
 /// A word with those beside it.
