@@ -35,11 +35,18 @@ constexpr std::array kWays{
 
 /// A little resolution goes first, then the way surfaces are made, then resolution down to where it is still a picture.
 constexpr std::array kGentleScales{0.85, 0.7};
-constexpr std::array kHardScales{0.6, 0.5, 0.35};
+/// Samples as dense as the pixels that were asked for are still too wide to be merged at half the resolution; let a
+/// little wider, two fifths of them are drawn, and hardly worse. Elsewhere on the way down it costs more than it saves.
+struct Step {
+    double scale, coarser; ///< coarser: times samplePixels
+};
+constexpr std::array kHardSteps{Step{0.6, 1}, Step{0.5, 1}, Step{0.5, 1.25}, Step{0.35, 1}};
+/// Of the share that does not go with the number of pixels.
+constexpr double kCostOfCoarser = 0.9;
 
-std::string scaleName(double scale) {
-    std::array<char, 32> text{};
-    std::snprintf(text.data(), text.size(), "resolution x %.2g", scale);
+std::string nameOf(const Step& step) {
+    std::array<char, 64> text{};
+    std::snprintf(text.data(), text.size(), "resolution x %.2g%s", step.scale, step.coarser > 1 ? ", coarser" : "");
     return text.data();
 }
 
@@ -49,27 +56,30 @@ std::vector<Rung> ladderOf(const render::Quality& base) {
     const auto asked = std::find_if(kWays.begin(), kWays.end(), [&](const Way& way) { return way.is(base); });
     std::vector<Rung> ladder;
     double cost = 1;
-    const auto add = [&](const Way& way, double scale) {
-        Rung rung{scaleName(scale), base, cost * (way.fixedShare + (1 - way.fixedShare) * scale * scale)};
+    const auto add = [&](const Way& way, const Step& step) {
+        const double scale = step.scale, fixed = way.fixedShare * (step.coarser > 1 ? kCostOfCoarser : 1);
+        Rung rung{nameOf(step), base, cost * (fixed + (1 - way.fixedShare) * scale * scale)};
         rung.quality.resolutionScale = base.resolutionScale * scale;
+        rung.quality.samplePixels = std::min(base.samplePixels * step.coarser, kMostSamplePixels);
         if (way.name != asked->name) {
             way.take(rung.quality);
             rung.name = scale < 1 ? std::string(way.name) + ", " + rung.name : way.name;
         }
         if (ladder.empty()) rung.name = "as asked";
-        // What is asked for may be near the floor already.
-        const bool isCheaper = ladder.empty() || rung.cost < ladder.back().cost;
+        // What is asked for may be near the floor already, and all samples may be asked for.
+        const bool isOther = step.coarser == 1 || rung.quality.samplePixels > base.samplePixels;
+        const bool isCheaper = ladder.empty() || (isOther && rung.cost < ladder.back().cost);
         if (isCheaper && (scale >= 1 || rung.quality.resolutionScale >= render::kMinResolutionScale))
             ladder.push_back(std::move(rung));
     };
-    add(*asked, 1);
+    add(*asked, {1, 1});
     for (auto way = asked; way != kWays.end(); ++way) {
         if (way != asked) cost *= way->cost;
         for (const double scale : kGentleScales)
-            add(*way, scale);
+            add(*way, {scale, 1});
     }
-    for (const double scale : kHardScales)
-        add(kWays.back(), scale);
+    for (const Step& step : kHardSteps)
+        add(kWays.back(), step);
     return ladder;
 }
 

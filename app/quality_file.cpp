@@ -136,12 +136,12 @@ std::vector<Knob> makeKnobs() {
             [](auto& q) -> auto& { return q.resolutionScale; }),
         number(
             "sample_pixels", "pixels",
-            "all but the mesh: coarser samples stand for finer ones where they are no wider; 0: never", {0, 64},
-            {0, 1, 1.5}, [](auto& q) -> auto& { return q.samplePixels; }),
+            "all but the mesh: coarser samples stand for finer ones where they are no wider; 0: never",
+            {0, kMostSamplePixels}, {0, 1, 1.5}, [](auto& q) -> auto& { return q.samplePixels; }),
         number(
             "far_sample_pixels", "pixels",
-            "the same for what was taken from far away and is seen only where nothing nearer was", {0, 64},
-            {0, 1, 2, 3}, [](auto& q) -> auto& { return q.farSamplePixels; }),
+            "the same for what was taken from far away and is seen only where nothing nearer was",
+            {0, kMostSamplePixels}, {0, 1, 2, 3}, [](auto& q) -> auto& { return q.farSamplePixels; }),
         yesOrNo(
             "leave_out_hidden",
             "tiles behind what is drawn already are left out; pictures are the same but for gaps that are filled "

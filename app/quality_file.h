@@ -14,6 +14,9 @@
 
 namespace app {
 
+/// Bound of the knobs sample_pixels and far_sample_pixels, pixels.
+inline constexpr double kMostSamplePixels = 64;
+
 struct Knob {
     std::string name;                  ///< in files, reports and, with dashes, on the command line; never renamed
     std::string unit;                  ///< of its numbers; may be empty

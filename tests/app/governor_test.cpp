@@ -161,6 +161,28 @@ TEST(Ladder, EachRungIsCheaperAndNoneIsBelowTheFloor) {
         }
 }
 
+TEST(Ladder, HalfTheResolutionIsFollowedByCoarserSamplesIfAnyMayStandForOthers) {
+    render::Quality base = presets().back().quality;
+    const auto coarserOf = [](const std::vector<Rung>& ladder) {
+        std::vector<std::size_t> coarser;
+        for (std::size_t i = 0; i < ladder.size(); ++i)
+            if (ladder[i].quality.samplePixels != ladder[0].quality.samplePixels) coarser.push_back(i);
+        return coarser;
+    };
+    base.samplePixels = 1;
+    const std::vector<Rung> ladder = ladderOf(base);
+    const std::vector<std::size_t> coarser = coarserOf(ladder);
+    ASSERT_EQ(coarser.size(), 1u);
+    const Rung &before = ladder[coarser[0] - 1], &rung = ladder[coarser[0]];
+    EXPECT_GT(rung.quality.samplePixels, base.samplePixels);
+    EXPECT_EQ(rung.quality.resolutionScale, 0.5 * base.resolutionScale);
+    EXPECT_EQ(before.quality.resolutionScale, rung.quality.resolutionScale);
+    for (const double none : {0.0, kMostSamplePixels}) {
+        base.samplePixels = none;
+        EXPECT_TRUE(coarserOf(ladderOf(base)).empty()) << none;
+    }
+}
+
 TEST(Ladder, IsReportedWithEveryChange) {
     const std::vector<Rung> ladder = ladderOf(presets().back().quality);
     std::vector<double> costs;
