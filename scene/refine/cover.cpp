@@ -58,20 +58,38 @@ class Carving {
         const double cell = edge / kCoverageBranching;
         const int side = !c_.isCoarse && 2 * cell <= c_.smallest * c_.spacingAt(centre) && node.divided == 0 ? 2 : 1;
         std::uint64_t toCarve = 0;
-        for (int z = 0; z < kCoverageBranching; z += side)
-            for (int y = 0; y < kCoverageBranching; y += side)
-                for (int x = 0; x < kCoverageBranching; x += side) {
-                    const std::uint64_t mask = maskOf(x, y, z, side);
-                    if ((node.empty & mask) == mask) continue;
-                    const glm::dvec3 middle = centreOf(centre, cell, x, y, z, side);
-                    if (decide(node, mask, middle, cell * side, level, side == 1)) toCarve |= mask;
-                }
+        for (int z = 0; z < kCoverageBranching; z += 2)
+            for (int y = 0; y < kCoverageBranching; y += 2)
+                for (int x = 0; x < kCoverageBranching; x += 2)
+                    toCarve |= carveOctant(node, {x, y, z}, side, centre, cell, level);
         divide(node, toCarve & ~node.divided);
         carveChildren(node, toCarve, centre, cell, level);
         collapse(node);
     }
 
   private:
+    /// Eight cells from the first one on, or one cell where they are decided together: those to be carved in parts.
+    std::uint64_t carveOctant(Growing& node, const glm::ivec3& first, int side, const glm::dvec3& centre, double cell,
+                              int level) const {
+        const std::uint64_t octant = maskOf(first.x, first.y, first.z, 2);
+        if ((node.empty & octant) == octant) return 0;
+        const glm::dvec3 middle = centreOf(centre, cell, first.x, first.y, first.z, 2);
+        if (side == 2) return decide(node, octant, middle, cell * side, level, false) ? octant : 0;
+        // Two thirds of all cells are hidden or outside the image, most of them with their neighbours.
+        const Sight sight = c_.space.look({middle, 2 * cell * c_.halfOfUnit}).sight;
+        if (sight == Sight::all) node.surface &= node.empty | ~octant, node.empty |= octant;
+        if (sight != Sight::part) return 0;
+        std::uint64_t toCarve = 0;
+        for (int z = first.z; z < first.z + 2; ++z)
+            for (int y = first.y; y < first.y + 2; ++y)
+                for (int x = first.x; x < first.x + 2; ++x) {
+                    const std::uint64_t mask = coverageMask(coverageBit(x, y, z));
+                    if ((node.empty & mask) != 0) continue;
+                    if (decide(node, mask, centreOf(centre, cell, x, y, z, 1), cell, level, true)) toCarve |= mask;
+                }
+        return toCarve;
+    }
+
     glm::dvec3 centreOf(const glm::dvec3& centre, double cell, int x, int y, int z, int side) const {
         const double half = 0.5 * side, middle = 0.5 * kCoverageBranching;
         return centre +
@@ -96,7 +114,7 @@ class Carving {
         // Cells at surfaces are surface if any of them is seen: they must not stand out of it as unseen.
         const bool isSmallest = !mayDivide || cell <= c_.smallest * spacing;
         const bool holdsSample = isSmallest && c_.space.holdsSample({middle, cell * c_.halfOfUnit});
-        const Sight core = c_.space.look({middle, glm::dvec3(kMiddleShare * cell)}).sight;
+        const Sight core = holdsSample ? Sight::part : c_.space.look({middle, glm::dvec3(kMiddleShare * cell)}).sight;
         if (isSmallest && !holdsSample && core == Sight::none) return false;
         if (isSmallest ? holdsSample : core != Sight::all)
             node.surface |= mask;
