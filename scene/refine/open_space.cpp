@@ -164,14 +164,13 @@ void OpenSpace::buildPyramid() {
     }
 }
 
-OpenSpace::Rectangle OpenSpace::rectangleOf(const BoxInCamera& box) const {
-    const double zNear = box.centre.z - box.half.z, zFar = box.centre.z + box.half.z;
-    const auto lowest = [&](double p, double half) { return p - half < 0 ? (p - half) / zNear : (p - half) / zFar; };
-    const auto highest = [&](double p, double half) { return p + half > 0 ? (p + half) / zNear : (p + half) / zFar; };
-    const double left = camera_.fx * lowest(box.centre.x, box.half.x) + camera_.cx;
-    const double right = camera_.fx * highest(box.centre.x, box.half.x) + camera_.cx;
-    const double top = camera_.fy * lowest(box.centre.y, box.half.y) + camera_.cy;
-    const double bottom = camera_.fy * highest(box.centre.y, box.half.y) + camera_.cy;
+OpenSpace::Rectangle OpenSpace::rectangleOf(const BoxInCamera& box, double overNear, double overFar) const {
+    const auto lowest = [&](double p) { return p * (p < 0 ? overNear : overFar); };
+    const auto highest = [&](double p) { return p * (p > 0 ? overNear : overFar); };
+    const double left = camera_.fx * lowest(box.centre.x - box.half.x) + camera_.cx;
+    const double right = camera_.fx * highest(box.centre.x + box.half.x) + camera_.cx;
+    const double top = camera_.fy * lowest(box.centre.y - box.half.y) + camera_.cy;
+    const double bottom = camera_.fy * highest(box.centre.y + box.half.y) + camera_.cy;
     if (right <= 0 || bottom <= 0 || left >= camera_.width || top >= camera_.height) return {};
     return {static_cast<int>(std::max(left, 0.0)), static_cast<int>(std::max(top, 0.0)),
             static_cast<int>(std::min(right, camera_.width - 1.0)),
@@ -182,8 +181,9 @@ OpenSpace::Rectangle OpenSpace::rectangleOf(const BoxInCamera& box) const {
 bool OpenSpace::holdsSample(const BoxInCamera& box) const {
     const double zNear = box.centre.z - box.half.z, zFar = box.centre.z + box.half.z;
     if (zNear <= 0) return false;
-    const Rectangle in = rectangleOf(box);
-    const auto boxNear = static_cast<float>(1 / zNear), boxFar = static_cast<float>(1 / zFar);
+    const double overNear = 1 / zNear, overFar = 1 / zFar;
+    const Rectangle in = rectangleOf(box, overNear, overFar);
+    const auto boxNear = static_cast<float>(overNear), boxFar = static_cast<float>(overFar);
     for (int y = in.top; y <= in.bottom; ++y)
         for (int x = in.left; x <= in.right; ++x) {
             const Span& patch = levels_[0].spans[static_cast<std::size_t>(y) * static_cast<std::size_t>(camera_.width) +
@@ -204,7 +204,8 @@ BoxSight OpenSpace::look(const BoxInCamera& box) const {
                               box.centre.y + box.half.y < -zFar * camera_.cy / camera_.fy;
         return isBeside ? BoxSight{} : BoxSight{Sight::part, true};
     }
-    const Rectangle in = rectangleOf(box);
+    const double overNear = 1 / zNear, overFar = 1 / zFar;
+    const Rectangle in = rectangleOf(box, overNear, overFar);
     if (in.isEmpty()) return {};
     int x0 = in.left, y0 = in.top, x1 = in.right, y1 = in.bottom;
     std::size_t level = 0;
@@ -212,7 +213,7 @@ BoxSight OpenSpace::look(const BoxInCamera& box) const {
         x0 >>= 1, x1 >>= 1, y0 >>= 1, y1 >>= 1, ++level;
 
     const Level& pyramid = levels_[level];
-    const auto boxNear = static_cast<float>(1 / zNear), boxFar = static_cast<float>(1 / zFar);
+    const auto boxNear = static_cast<float>(overNear), boxFar = static_cast<float>(overFar);
     BoxSight sight;
     Span span{0, kNothing, !in.isWhole};
     for (int y = y0; y <= y1; ++y)

@@ -61,7 +61,8 @@ class OpenSpace {
         bool isWhole = false; ///< nothing of it is cut off by the image's border
         bool isEmpty() const { return right < left || bottom < top; }
     };
-    Rectangle rectangleOf(const BoxInCamera& box) const;
+    /// overNear, overFar: disparities of the box's two ends.
+    Rectangle rectangleOf(const BoxInCamera& box, double overNear, double overFar) const;
     void continuePast(const DepthImage& image, std::span<const DepthImage* const> companions, int margin);
     void closeGaps();
     void widenToPatches();
