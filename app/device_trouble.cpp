@@ -48,22 +48,6 @@ bool giveUpMore(const render::Quality& drawn, const render::OutOfMemory& failure
     return false;
 }
 
-void sayUnseenIsGivenUp(const scene::Failure& failure) {
-    say("what nobody saw is shown as emptiness: the device cannot hold it (" + std::string(failure.what()) + ")");
-}
-
-std::unique_ptr<render::GpuCoverage> makeCoverage(const render::Device& device, const scene::Scene& scene) {
-    if (!scene.coverage) return nullptr;
-    try {
-        return std::make_unique<render::GpuCoverage>(device, *scene.coverage);
-    } catch (const render::DeviceLost&) {
-        throw;
-    } catch (const scene::Failure& failure) {
-        sayUnseenIsGivenUp(failure);
-        return nullptr;
-    }
-}
-
 void sayWhatCannotBeHad(const render::Device& device, const render::Quality& quality, int eyes) {
     const std::string why = quality.isOnePass ? render::whyNotInOnePass(device, quality, eyes) : "";
     if (!why.empty()) say("--one-pass: " + why);

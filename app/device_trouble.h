@@ -3,13 +3,14 @@
 // Each time one line says so.
 
 #include "render/check.h"
-#include "render/post/unseen.h"
 #include "render/quality.h"
-#include "scene/scene.h"
 
 #include <chrono>
-#include <memory>
 #include <optional>
+
+namespace render {
+class Device;
+} // namespace render
 
 namespace app {
 
@@ -38,13 +39,6 @@ render::Quality without(render::Quality asked, const GivenUp& givenUp);
 
 /// Gives up the next thing that takes memory in drawing so, and says what and why; false if there is none.
 bool giveUpMore(const render::Quality& drawn, const render::OutOfMemory& failure, GivenUp& givenUp);
-
-/// What was observed of the scene, on the device: null if the scene does not know, or, with a line that says so, if the
-/// device cannot hold it.
-std::unique_ptr<render::GpuCoverage> makeCoverage(const render::Device& device, const scene::Scene& scene);
-
-/// Says that unseen space is shown as emptiness from now on, and why.
-void sayUnseenIsGivenUp(const scene::Failure& failure);
 
 /// Says what of a quality this device cannot do, and what it does instead: eyes that were to be drawn in one pass are
 /// drawn one by one, edges of polygons by fewer samples.

@@ -16,6 +16,7 @@ struct DrawOptions {
     double eyeDistanceMetres = 0.063;
     std::filesystem::path polygons;       ///< drawn with the scene; empty: none
     bool hideUnseen = false;              ///< space that nobody observed is shown as emptiness
+    double coverageCellMetres = 0;        ///< unseen space by cells no smaller than this; 0: as they were built
     std::size_t memoryBytes = 8ull << 30; ///< what of the scene may be on the device at a time
 };
 

@@ -20,6 +20,7 @@ struct DrawnScene {
     std::optional<scene::PolygonScene> polygons; ///< world coordinates
     render::SceneMemory memory;
     bool mayShowUnseen = true;
+    double leastCoverageCellMetres = 0; ///< CoverageWish
 
     /// Reads the polygons, and tells what was left out of them. Throws scene::Failure.
     DrawnScene(const scene::Scene& scene, const DrawOptions& options);

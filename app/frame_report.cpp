@@ -73,6 +73,11 @@ void FrameReport::add(const render::FrameStats& stats, double wallMilliseconds) 
     tested_.add(tested), rejected_.add(rejected), drawn_.add(drawn), samples_.add(samples), triangles_.add(triangles);
 }
 
+json toJson(const render::GpuCoverage* coverage) {
+    if (coverage == nullptr) return nullptr;
+    return {{"bytes", coverage->bytes()}, {"finest_m", coverage->finestCellMetres()}, {"levels", coverage->levels()}};
+}
+
 json FrameReport::summarise(const render::Device& device, const render::GpuScene& scene, json settings) const {
     json cpu = json::object(), gpu = json::object();
     json frame;

@@ -19,6 +19,9 @@ double processorMilliseconds(const render::FrameStats& stats);
 /// From the device's first step of that frame until its last one's end; 0 if it tells no times.
 double deviceMilliseconds(const render::FrameStats& stats);
 
+/// What of it is on the device; null if nothing is.
+nlohmann::json toJson(const render::GpuCoverage* coverage);
+
 /// Gathers the figures of a run's frames, however many.
 class FrameReport {
   public:

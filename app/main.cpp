@@ -185,6 +185,12 @@ void addDrawOptions(CLI::App& command, app::DrawOptions& options) {
                        "of what is missing; shown as filled, since nobody measured them");
     command.add_flag("--hide-unseen", options.hideUnseen,
                      "show space that no image ever observed as emptiness instead of dark stripes");
+    command
+        .add_option("--coverage-cell", options.coverageCellMetres,
+                    "tell unseen space by cells of this many metres at least: faster, and less memory; 0: as built")
+        ->check(CLI::Range(0.0, 100.0))
+        ->capture_default_str()
+        ->group(group);
     command.add_option("--ipd", options.eyeDistanceMetres, "metres between the eyes")
         ->check(CLI::Range(0.0, 1.0))
         ->capture_default_str();

@@ -269,6 +269,7 @@ void measureScene(const MeasureOptions& o) {
                       {"ipd_m", o.draw.eyeDistanceMetres},
                       {"pictures", truths.size()},
                       {"bytes_resident", onDevice.images->bytesResident()},
+                      {"coverage", toJson(onDevice.coverage.get())},
                       {"settings", toJson(all.first(plan.ladderStart))},
                       {"governor_rungs", toJson(all.subspan(plan.ladderStart))}};
     writeWhole(o.out / "report.json", report.dump(1, ' ', false, json::error_handler_t::replace) + "\n");

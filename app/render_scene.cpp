@@ -1,5 +1,6 @@
 #include "app/render_scene.h"
 
+#include "app/coverage_on_device.h"
 #include "app/damage_teller.h"
 #include "app/device_trouble.h"
 #include "app/drawn_scene.h"
@@ -67,20 +68,13 @@ class Canvas {
             renderer_.emplace(*device_, *on_.images, camera.width, camera.height, eyes, on_.coverage.get(),
                               on_.polygons.get());
         };
-        try {
-            makeIt();
-        } catch (const render::OutOfMemory& failure) {
-            if (!on_.coverage) throw;
-            sayUnseenIsGivenUp(failure);
-            on_.coverage.reset();
-            makeIt();
-        }
+        makeBeside(*device_, drawn_.scene, on_.coverage, makeIt);
         return *renderer_;
     }
 
     const render::Device& device() const { return *device_; }
     render::GpuScene& gpuScene() { return *on_.images; }
-    bool showsUnseen() const { return on_.coverage != nullptr; }
+    const render::GpuCoverage* coverage() const { return on_.coverage.get(); }
 
   private:
     void make() {
@@ -176,7 +170,8 @@ void renderScene(const RenderOptions& options) {
                             {"eyes", eyes},
                             {"ipd_m", options.draw.eyeDistanceMetres}};
     settings.update(toJson(without(quality, givenUp)));
-    settings["shows_unseen"] = canvas.showsUnseen();
+    settings["shows_unseen"] = canvas.coverage() != nullptr;
+    settings["coverage"] = toJson(canvas.coverage());
     settings["damaged_chunks"] = damage.chunks();
     writeWhole(options.out / "report.json",
                report.summarise(canvas.device(), canvas.gpuScene(), settings)

@@ -387,6 +387,7 @@ json Walk::reportOf(const WalkStage& stage) const {
                   {"hidden_share", stage.hiddenShares()},
                   {"eyes", xr::kEyes}};
     settings.update(toJson(knobs_.quality));
+    settings["coverage"] = toJson(stage.coverage());
     if (governed_) settings["governor"] = governed_->report();
     return report_.summarise(stage.device(), stage.gpuScene(), std::move(settings));
 }

@@ -1,5 +1,6 @@
 #include "app/walk_stage.h"
 
+#include "app/coverage_on_device.h"
 #include "app/device_trouble.h"
 
 #include <cassert>
@@ -28,6 +29,7 @@ render::DeviceMaker makerOf(const xr::Runtime& runtime) {
 void WalkStage::makeDevice(const DrawnScene& drawn, const render::DeviceMaker& maker) {
     device_ = std::make_unique<render::Device>(maker);
     sayPassedOver(*device_);
+    scene_ = &drawn.scene;
     on_ = bringTo(*device_, drawn);
 }
 
@@ -83,15 +85,14 @@ render::Renderer& WalkStage::rendererFor(const xr::ViewSource& source) {
         renderer->eyes() == source.eyes())
         return *renderer;
     renderer.reset(); // before the new one takes as much memory
-    try {
-        renderer = makeRenderer(source);
-    } catch (const render::OutOfMemory& failure) {
-        if (on_.coverage == nullptr) throw;
-        sayUnseenIsGivenUp(failure);
-        renderers_ = {}; // the other one shows it, too
-        on_.coverage.reset();
-        renderer = makeRenderer(source);
-    }
+    makeBeside(*device_, *scene_, on_.coverage, [&] {
+        try {
+            renderer = makeRenderer(source);
+        } catch (const render::OutOfMemory&) {
+            renderers_ = {}; // the other one shows the coverage that goes now
+            throw;
+        }
+    });
     return *renderer;
 }
 

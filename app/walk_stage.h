@@ -40,6 +40,7 @@ class WalkStage {
     const render::Device& device() const { return *device_; }
     const render::GpuScene& gpuScene() const { return *on_.images; }
     render::GpuScene& gpuScene() { return *on_.images; }
+    const render::GpuCoverage* coverage() const { return on_.coverage.get(); }
     const std::string& name() const { return name_; } ///< what the walker looks through
     /// Asks the headset for the offered rate that is nearest; 0: as it is. What is to be said if it is not that rate.
     std::string askForRate(double framesPerSecond);
@@ -56,6 +57,7 @@ class WalkStage {
     std::string name_;
     std::unique_ptr<xr::Runtime> runtime_;
     std::unique_ptr<render::Device> device_;
+    const scene::Scene* scene_ = nullptr; ///< what is brought to it
     DeviceScene on_;
     std::unique_ptr<xr::Headset> headset_;
     std::unique_ptr<input::Actions> actions_;

@@ -1,6 +1,7 @@
 #include "render/post/coverage_texels.h"
 
 #include "render/shaders/shared/unseen.h"
+#include "scene/coverage_levels.h"
 
 #include <algorithm>
 #include <bit>
@@ -170,6 +171,21 @@ Texels coverageTexels(const scene::Coverage& coverage) {
     }
     const Texels nodes = nodesOf(tree, voxels);
     texels.insert(texels.end(), nodes.begin(), nodes.end());
+    return texels;
+}
+
+std::vector<std::size_t> coverageTexelsByLevels(const scene::Coverage& coverage) {
+    const std::vector<std::uint8_t> hasUnseen = findUnseen(coverage.nodes);
+    const std::vector<std::size_t> firsts = scene::firstNodesOf(coverage);
+    std::vector<std::size_t> texels{kFirstCoverageNode};
+    for (std::size_t level = 0; level + 1 < firsts.size(); ++level) {
+        // Above those that voxels are divided into, the grid stands for the tree.
+        std::size_t nodes = 0;
+        if (level >= kVoxelLevels)
+            for (std::size_t i = firsts[level]; i < firsts[level + 1]; ++i)
+                nodes += hasUnseen[i];
+        texels.push_back(texels.back() + kTexelsPerCoverageNode * nodes);
+    }
     return texels;
 }
 

@@ -5,6 +5,7 @@
 #include "scene/coverage.h"
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -21,5 +22,9 @@ using CoverageTexel = std::array<std::uint32_t, 4>;
 /// Nodes of divided voxels come first, in the voxels' order, then all below. A cell without unseen space in it counts
 /// as seen whole, however it is divided. The same on any number of threads.
 std::vector<CoverageTexel> coverageTexels(const scene::Coverage& coverage);
+
+/// How many texels at most there are of it coarsened to so many levels (scene/coverage_levels.h), by levels: from 0, of
+/// which there is none, to all it has.
+std::vector<std::size_t> coverageTexelsByLevels(const scene::Coverage& coverage);
 
 } // namespace render

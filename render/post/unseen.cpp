@@ -2,6 +2,7 @@
 
 #include "render/device.h"
 #include "render/post/coverage_texels.h"
+#include "scene/coverage_levels.h"
 #include "scene/errors.h"
 #include "spirv/unseen.comp.h"
 
@@ -29,8 +30,8 @@ constexpr float kSlack = 0.004f;
 } // namespace
 
 GpuCoverage::GpuCoverage(const Device& device, const scene::Coverage& coverage)
-    : cornerInWorld_(coverage.cornerInWorld), edgeMetres_(coverage.edgeMetres),
-      layout_(makeSetLayout(device, kBindings)) {
+    : cornerInWorld_(coverage.cornerInWorld), edgeMetres_(coverage.edgeMetres), levels_(scene::levelsOf(coverage)),
+      finestCellMetres_(scene::finestCellOf(coverage)), layout_(makeSetLayout(device, kBindings)) {
     const std::vector<CoverageTexel> texels = coverageTexels(coverage);
     if (texels.size() > device.limits().maxTexelBufferElements)
         throw scene::Failure("coverage takes " + std::to_string(texels.size()) + " texels, more than the " +

@@ -20,10 +20,15 @@ class GpuCoverage {
     VkDescriptorSet set() const { return set_; }
     const glm::dvec3& cornerInWorld() const { return cornerInWorld_; }
     double edgeMetres() const { return edgeMetres_; }
+    int levels() const { return levels_; } ///< of its tree (scene/coverage_levels.h)
+    double finestCellMetres() const { return finestCellMetres_; }
+    std::size_t bytes() const { return texels_.size(); }
 
   private:
     glm::dvec3 cornerInWorld_;
     double edgeMetres_;
+    int levels_;
+    double finestCellMetres_;
     Buffer texels_;
     BufferView view_;
     DescriptorSetLayout layout_;

@@ -7,6 +7,8 @@
 
 #include <gtest/gtest.h>
 
+#include <opencv2/imgcodecs.hpp>
+
 #include <algorithm>
 #include <fstream>
 
@@ -159,8 +161,17 @@ TEST_F(FaultyDevice, OfAFullOneLessIsAsked) {
         EXPECT_EQ(picturesOf("unblended").size(), picturesOf("blended").size());
         EXPECT_FALSE(picturesOf("unblended") == picturesOf("blended"));
 
-        const Outcome emptied = draw({"REVISIT_FAULT_MEMORY=" + std::to_string(own - 1)}, "emptied",
-                                     {"--warp", "points", "--resolution-scale", "1"});
+        const std::vector<std::string> plainly{"--warp", "points", "--resolution-scale", "1"};
+        const Outcome coarser = draw({"REVISIT_FAULT_MEMORY=" + std::to_string(own - 1)}, "coarser", plainly);
+        EXPECT_EQ(coarser.status, 0) << coarser.output;
+        EXPECT_EQ(linesWith(coarser.output, "what nobody saw is told by cells of"), 1u) << coarser.output;
+        EXPECT_EQ(linesWith(coarser.output, "emptiness"), 0u) << coarser.output;
+
+        std::vector<std::string> coarsest = plainly;
+        coarsest.insert(coarsest.end(), {"--coverage-cell", "100"});
+        ASSERT_EQ(draw({tell}, "coarsest", coarsest).status, 0);
+        const Outcome emptied =
+            draw({"REVISIT_FAULT_MEMORY=" + std::to_string(told("told").mostBytes - 1)}, "emptied", plainly);
         EXPECT_EQ(emptied.status, 0) << emptied.output;
         EXPECT_EQ(linesWith(emptied.output, "what nobody saw is shown as emptiness"), 1u) << emptied.output;
 
@@ -168,6 +179,41 @@ TEST_F(FaultyDevice, OfAFullOneLessIsAsked) {
         EXPECT_EQ(small.status, 1);
         EXPECT_EQ(linesWith(small.output, "out of device memory"), 1u) << small.output;
     }
+}
+
+TEST_F(FaultyDevice, UnseenSpaceIsToldAsFinelyAsThereIsRoomFor) {
+    const auto coverageOf = [&](const std::string& out, const std::vector<std::string>& further, std::string& says) {
+        const Outcome drawn = runWith({}, render(out, further));
+        EXPECT_EQ(drawn.status, 0) << drawn.output;
+        says = drawn.output;
+        return nlohmann::json::parse(std::ifstream(path(out + "/report.json"))).at("coverage");
+    };
+    std::string says;
+    const nlohmann::json built = coverageOf("built", {}, says);
+    EXPECT_GT(built.at("levels"), 4);
+    EXPECT_LT(built.at("finest_m"), 0.01);
+    EXPECT_EQ(linesWith(says, "told by cells"), 0u) << says;
+    const nlohmann::json wished = coverageOf("wished", {"--coverage-cell", "0.02"}, says);
+    EXPECT_GE(wished.at("finest_m"), 0.02);
+    EXPECT_LT(wished.at("finest_m"), 0.08) << "and no coarser than need be";
+    EXPECT_LT(wished.at("bytes"), built.at("bytes"));
+    EXPECT_EQ(linesWith(says, "told by cells"), 0u) << "it was asked for:\n" << says;
+    const nlohmann::json little = coverageOf("little", {"--memory", "8M"}, says);
+    EXPECT_EQ(little.at("levels"), 4);
+    EXPECT_EQ(linesWith(says, "told by cells of"), 1u) << says;
+    EXPECT_TRUE(coverageOf("hidden", {"--hide-unseen"}, says).is_null());
+    const auto share = [&](const std::string& out) {
+        std::size_t unseen = 0, all = 0;
+        for (const auto& [name, bytes] : picturesOf(out)) {
+            if (!name.ends_with("-class.png")) continue;
+            const cv::Mat classes = cv::imread(path(out + "/" + name), cv::IMREAD_UNCHANGED);
+            unseen += static_cast<std::size_t>(cv::countNonZero(classes == 3)), all += classes.total();
+        }
+        return static_cast<double>(unseen) / static_cast<double>(all);
+    };
+    EXPECT_GT(share("built"), 0.02);
+    EXPECT_NEAR(share("wished") / share("built"), 1, 0.1);
+    EXPECT_EQ(share("hidden"), 0);
 }
 
 TEST_F(FaultyDevice, WhatOneLacksIsSaid) {

@@ -3,6 +3,7 @@
 #include "render/post/coverage_texels.h"
 #include "render/post/unseen.h"
 #include "scene/coverage.h"
+#include "scene/coverage_levels.h"
 #include "tests/render/test_device.h"
 #include "tests/render/test_scenes.h"
 #include "tests/scene/random_coverage.h"
@@ -210,6 +211,20 @@ TEST(UnseenWalk, GoesTogetherAsFarAsItIsOpenForAll) {
     }
     EXPECT_GT(together, beams / 8) << "or nothing was tested";
     EXPECT_LE(differ, 8) << "of 4000";
+}
+
+TEST(UnseenWalk, NoMoreTexelsThanAreForetold) {
+    const scene::Coverage coverage = scene::randomCoverage(9, 6, 0.3, 0.15);
+    const std::vector<std::size_t> most = coverageTexelsByLevels(coverage);
+    ASSERT_EQ(most.size(), 7u);
+    EXPECT_EQ(most[6], coverageTexels(coverage).size()) << "all of it is counted exactly";
+    for (int levels = 5; levels >= 3; --levels) {
+        const std::size_t texels = coverageTexels(scene::coarsened(coverage, levels)).size(),
+                          foretold = most[static_cast<std::size_t>(levels)];
+        EXPECT_LE(texels, foretold) << levels;
+        EXPECT_LT(foretold, levels > 4 ? most[static_cast<std::size_t>(levels) + 1] : foretold + 1);
+    }
+    EXPECT_EQ(most[4], coverageTexels(scene::coarsened(coverage, 2)).size()) << "the grid alone";
 }
 
 class Unseen : public RenderTest {

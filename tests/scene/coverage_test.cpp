@@ -1,9 +1,13 @@
 #include "scene/coverage.h"
+#include "scene/coverage_levels.h"
 
 #include "scene/errors.h"
 #include "tests/scene/random_coverage.h"
 #include "tests/scene/scratch_folder.h"
 
+#include <array>
+#include <bit>
+#include <cmath>
 #include <cstring>
 #include <fstream>
 #include <functional>
@@ -82,6 +86,71 @@ TEST(Coverage, VolumesAreThoseOfTheCells) {
     for (std::size_t kind = 0; kind < 3; ++kind)
         EXPECT_NEAR(volumes[kind], counted[kind], 1e-9 * counted[kind]);
     EXPECT_DOUBLE_EQ(finestCellOf(coverage), coverage.edgeMetres / 64);
+}
+
+/// What a cube of the finest cells is told as by one cell.
+Observed asOne(const std::vector<Observed>& kinds, int side, const std::array<int, 3>& first, int edge) {
+    std::array<int, 3> count{};
+    for (int z = first[2]; z < first[2] + edge; ++z)
+        for (int y = first[1]; y < first[1] + edge; ++y)
+            for (int x = first[0]; x < first[0] + edge; ++x)
+                ++count[static_cast<std::size_t>(kinds[static_cast<std::size_t>((z * side + y) * side + x)])];
+    const int unseen = count[static_cast<std::size_t>(Observed::unseen)],
+              empty = count[static_cast<std::size_t>(Observed::empty)];
+    if (count[static_cast<std::size_t>(Observed::surface)] > 0)
+        return 4 * unseen >= 3 * edge * edge * edge ? Observed::unseen : Observed::surface;
+    return unseen >= empty ? Observed::unseen : Observed::empty;
+}
+
+TEST(CoverageLevels, WhatIsCutOffIsOneCellOfItsOwnKind) {
+    constexpr int kSide = 256;
+    Coverage whole = randomCoverage(11, 4, 0.4, 0.3);
+    // Some nodes without surfaces, so that it is a matter of more or less; of others all that is not surface unseen.
+    for (std::size_t i = 0; i < whole.nodes.size(); i += 2)
+        if (i % 4 == 0)
+            whole.nodes[i].surface = 0;
+        else
+            whole.nodes[i].unseen = ~(whole.nodes[i].surface | whole.nodes[i].children);
+    ASSERT_EQ(levelsOf(whole), 4);
+    const std::vector<Observed> fine = spreadOut(whole, kSide);
+    for (const int levels : {1, 2, 3}) {
+        const Coverage coarse = coarsened(whole, levels);
+        EXPECT_EQ(levelsOf(coarse), levels);
+        EXPECT_DOUBLE_EQ(finestCellOf(coarse), cellOfLevels(whole, levels));
+        EXPECT_EQ(coarse.nodes.size(), firstNodesOf(whole)[static_cast<std::size_t>(levels)]);
+        const std::vector<Observed> told = spreadOut(coarse, kSide);
+        const int edge = kSide >> 2 * levels;
+        std::array<int, 3> changed{};
+        for (int z = 0; z < kSide; z += edge)
+            for (int y = 0; y < kSide; y += edge)
+                for (int x = 0; x < kSide; x += edge) {
+                    const Observed expected = asOne(fine, kSide, {x, y, z}, edge);
+                    const auto at = static_cast<std::size_t>((z * kSide + y) * kSide + x);
+                    ASSERT_EQ(told[at], expected) << levels << " levels, " << x << " " << y << " " << z;
+                    if (fine[at] != expected) ++changed[static_cast<std::size_t>(expected)];
+                }
+        EXPECT_GT(changed[static_cast<std::size_t>(Observed::surface)], 0) << "or nothing was tested";
+        if (levels == 3) {
+            EXPECT_GT(changed[static_cast<std::size_t>(Observed::unseen)], 100);
+            EXPECT_GT(changed[static_cast<std::size_t>(Observed::empty)], 100);
+        }
+    }
+}
+
+TEST(CoverageLevels, WithAllItsLevelsItIsTheSame) {
+    const Coverage whole = randomCoverage(12, 3);
+    EXPECT_TRUE(coarsened(whole, 3) == whole);
+    EXPECT_TRUE(coarsened(whole, 9) == whole);
+    EXPECT_EQ(firstNodesOf(whole),
+              (std::vector<std::size_t>{0, 1, 1 + static_cast<std::size_t>(std::popcount(whole.nodes[0].children)),
+                                        whole.nodes.size()}));
+}
+
+TEST(CoverageLevels, WhatIsCutOffCanBeWrittenAndRead) {
+    const ScratchFolder folder;
+    const Coverage coarse = coarsened(randomCoverage(13, 4), 2);
+    writeCoverage(coarse, folder.path() / kCoverageFile);
+    EXPECT_TRUE(readCoverage(folder.path() / kCoverageFile) == coarse) << "it is a tree that a reader accepts";
 }
 
 class CoverageFile : public testing::Test {

@@ -54,6 +54,7 @@ static_assert(sizeof(UnseenConstants) == 96);
 
 SHARED_CONSTANT uint kTexelsPerCoverageNode = 2u;
 SHARED_CONSTANT uint kVoxelsAcross = 256u; ///< along the edge of the cube: what nodes of the fourth level have cells
+SHARED_CONSTANT int kVoxelLevels = 4;      ///< of the tree, down to nodes that have voxels for cells
 SHARED_CONSTANT uint kFirstBase = kVoxelsAcross * kVoxelsAcross * kVoxelsAcross / 16u;
 SHARED_CONSTANT uint kFirstCoverageNode = kFirstBase + kFirstBase / 4u;
 SHARED_CONSTANT uint kDividedVoxel = 255u; ///< instead of rings: the tree knows more of the voxel
