@@ -2,6 +2,7 @@
 // Where no image ever looked, a picture says so: pixels of class unseen (shaders/shared/unseen.h).
 
 #include "render/pipeline.h"
+#include "render/post/coverage_texels.h"
 #include "render/quality.h"
 #include "render/resources.h"
 #include "render/shaders/shared/unseen.h"
@@ -22,6 +23,7 @@ class GpuCoverage {
     double edgeMetres() const { return edgeMetres_; }
     int levels() const { return levels_; } ///< of its tree (scene/coverage_levels.h)
     double finestCellMetres() const { return finestCellMetres_; }
+    bool hasDivided() const { return texels_.size() / sizeof(CoverageTexel) > kFirstCoverageNode; } ///< voxels
     std::size_t bytes() const { return texels_.size(); }
 
   private:

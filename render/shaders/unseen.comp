@@ -6,6 +6,8 @@
 
 layout(local_size_x_id = 0) in;
 
+layout(constant_id = 1) const bool kHasDivided = true;
+
 layout(std430, set = 0, binding = 2) buffer Colours { uint colours[]; };
 layout(std430, set = 0, binding = 3) buffer Depths { float depths[]; };
 layout(set = 1, binding = 0) uniform usamplerBuffer coverageTexels;
@@ -16,22 +18,34 @@ uvec4 coverageTexel(uint index) { return texelFetch(coverageTexels, int(index));
 
 layout(push_constant) uniform Constants { UnseenConstants constants; };
 
-// A workgroup draws a block of pixels, whose rays go together as far as space is open for all of them.
+uvec2 pixelOf(uint k) { return gl_WorkGroupID.xy * kBeamPixels + uvec2(k % kBeamPixels, k / kBeamPixels); }
+
+bool isInPicture(uvec2 at) { return at.x < uint(constants.perX.w) && at.y < uint(constants.perY.w); }
+
+float endAt(uint i) { return unseenEnd(constants, colours[i] >> 24, depths[i]); }
+
+// A workgroup draws a block of pixels, whose rays go together where space is open for all of them.
 void main()
 {
-    uint width = uint(constants.perX.w), height = uint(constants.perY.w);
-    uvec2 first = gl_WorkGroupID.xy * kBeamPixels;
+    const uint all = kBeamPixels * kBeamPixels;
+    uint width = uint(constants.perX.w);
+    // Together they need go no farther than any of them does.
+    float farthest = 0.0f;
+    for (uint k = gl_LocalInvocationID.x; k < all; k += gl_WorkGroupSize.x) {
+        uvec2 at = pixelOf(k);
+        if (isInPicture(at)) farthest = max(farthest, endAt(at.y * width + at.x));
+    }
+    vec2 first = vec2(gl_WorkGroupID.xy * kBeamPixels);
     float side = float(int(kBeamPixels));
-    float open = openDepth(constants.eye.xyz, rayOf(constants, float(int(first.x)), float(int(first.y))),
-                           side * constants.perX.xyz, side * constants.perY.xyz);
-    for (uint k = gl_LocalInvocationID.x; k < kBeamPixels * kBeamPixels; k += gl_WorkGroupSize.x) {
-        uint x = first.x + k % kBeamPixels, y = first.y + k / kBeamPixels;
-        if (x >= width || y >= height) continue;
-        uint i = y * width + x;
-        uint colourAndClass = colours[i];
-        float end = unseenEnd(constants, colourAndClass >> 24, depths[i]);
-        if (end <= open) continue;
-        vec3 direction = rayOf(constants, float(int(x)) + 0.5f, float(int(y)) + 0.5f);
+    vec2 open = openStretch(constants.eye.xyz, rayOf(constants, first.x, first.y), side * constants.perX.xyz,
+                            side * constants.perY.xyz, farthest);
+    for (uint k = gl_LocalInvocationID.x; k < all; k += gl_WorkGroupSize.x) {
+        uvec2 at = pixelOf(k);
+        if (!isInPicture(at)) continue;
+        uint i = at.y * width + at.x;
+        float end = endAt(i);
+        if (open.x <= 0.0f && end <= open.y) continue;
+        vec3 direction = rayOf(constants, float(int(at.x)) + 0.5f, float(int(at.y)) + 0.5f);
         UnseenHit hit = walkToUnseen(constants.eye.xyz, direction, constants.eye.w, end, open);
         if (hit.isUnseen) {
             colours[i] = unseenColour(constants, direction, hit.depth) | (kClassUnseen << 24);

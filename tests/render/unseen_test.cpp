@@ -118,7 +118,8 @@ TEST(UnseenWalk, StopsWhereTheRayEntersTheUnseen) {
         const glm::dvec3 direction(uniform() - 0.5, uniform() - 0.5, uniform() - 0.5);
         const double end = uniform();
         const double expected = firstUnseen(coverage, eye, direction, end);
-        const UnseenHit hit = walkToUnseen(texels, vec3(eye), vec3(direction), 0.0f, static_cast<float>(end), 0.0f);
+        const UnseenHit hit =
+            walkToUnseen(texels, vec3(eye), vec3(direction), 0.0f, static_cast<float>(end), vec2(0.0f));
         met += hit.isUnseen ? 1 : 0;
         // Steps may pass over the corner of a cell that the walk finds.
         if (hit.isUnseen != (expected < end) || (hit.isUnseen && std::abs(double{hit.depth} - expected) > 5e-4))
@@ -138,7 +139,7 @@ TEST(UnseenWalk, AnEyeInThePocketLooksThroughIt) {
     const Texels texels(coverage);
     const auto walk = [&](double x, float pocket, float end) {
         return walkToUnseen(texels, vec3(static_cast<float>(x) / 4, 0.6f, 0.6f), vec3(0.25f, 0.001f, 0.002f), pocket,
-                            end, 0.0f);
+                            end, vec2(0.0f));
     };
     EXPECT_TRUE(walk(0.5, 0, kRayInfinity).isUnseen);
     EXPECT_FLOAT_EQ(walk(0.5, 0, kRayInfinity).depth, 0);
@@ -187,30 +188,45 @@ TEST(UnseenWalk, RingsAreAllTheOpenCubesOfVoxelsAboutOne) {
     EXPECT_GT(wide, 50);
 }
 
-TEST(UnseenWalk, GoesTogetherAsFarAsItIsOpenForAll) {
-    // Five levels deep: voxels are divided.
-    const scene::Coverage coverage = scene::randomCoverage(7, 5, 0.001);
+/// Beams of rays through a tree: what they pass together is open, and each finds what it finds alone.
+void expectToGoTogether(const scene::Coverage& coverage, float pocket) {
     const Texels texels(coverage);
     std::mt19937 random(8);
     const auto uniform = [&] { return static_cast<float>(random()) / 4294967296.0f; };
-    int beams = 0, together = 0, differ = 0;
+    int beams = 0, together = 0, later = 0, differ = 0;
     for (int i = 0; i < 400; ++i) {
         const vec3 eye(uniform(), uniform(), uniform());
         const vec3 base(uniform() - 0.5f, uniform() - 0.5f, uniform() - 0.5f);
         const vec3 across(0.02f * uniform(), 0.02f * uniform(), 0.0f), down(0.0f, 0.0f, 0.02f * uniform());
-        const float open = openDepth(texels, eye, base, across, down);
-        ++beams, together += open > 0.05f ? 1 : 0;
+        const float end = i % 2 == 0 ? kRayInfinity : 2 * uniform();
+        const vec2 open = openStretch(texels, eye, base, across, down, end);
+        ++beams, together += open.y - open.x > 0.05f ? 1 : 0, later += open.y > open.x && open.x > 0 ? 1 : 0;
         for (int ray = 0; ray < 10; ++ray) {
             const vec3 direction = base + uniform() * across + uniform() * down;
-            const UnseenHit alone = walkToUnseen(texels, eye, direction, 0.0f, kRayInfinity, 0.0f),
-                            on = walkToUnseen(texels, eye, direction, 0.0f, kRayInfinity, open);
-            EXPECT_GE(alone.depth, open * (1 - 1e-4f)) << "nothing unseen was passed over";
+            for (int k = 1; k < 40; ++k) {
+                const vec3 p = eye + (open.x + float(k) / 40.0f * (open.y - open.x)) * direction;
+                EXPECT_FALSE(open.y > open.x && unseenCellAt(texels, p).isUnseen) << "something unseen was passed over";
+            }
+            const UnseenHit alone = walkToUnseen(texels, eye, direction, pocket, end, vec2(0.0f)),
+                            on = walkToUnseen(texels, eye, direction, pocket, end, open);
             // At a face between two cells single precision may choose the other one.
-            differ += std::abs(on.depth / std::max(alone.depth, 1e-6f) - 1) > 1e-3f && alone.depth > 1e-6f ? 1 : 0;
+            const bool isSame =
+                alone.isUnseen == on.isUnseen &&
+                (!alone.isUnseen || std::abs(on.depth - alone.depth) <= 1e-3f * std::max(alone.depth, 1e-3f));
+            differ += isSame ? 0 : 1;
         }
     }
     EXPECT_GT(together, beams / 8) << "or nothing was tested";
+    EXPECT_GT(later, beams / 40) << "of those that begin away from the eye";
     EXPECT_LE(differ, 8) << "of 4000";
+}
+
+TEST(UnseenWalk, GoesTogetherWhereItIsOpenForAll) {
+    // Five levels deep: voxels are divided.
+    const scene::Coverage coverage = scene::randomCoverage(7, 5, 0.001);
+    expectToGoTogether(coverage, 0);
+    expectToGoTogether(coverage, 0.3f);
+    expectToGoTogether(scene::coarsened(coverage, 4), 0.3f);
 }
 
 TEST(UnseenWalk, NoMoreTexelsThanAreForetold) {
@@ -251,8 +267,14 @@ class Unseen : public RenderTest {
     FrameStats stats_;
 };
 
-TEST_F(Unseen, PixelsAreThoseOfTheProcessor) {
-    const scene::Coverage coverage = roomCoverage();
+/// Once of a tree that goes on below the voxels, once of one that does not: shaders are made for either.
+class UnseenOfLevels : public Unseen, public testing::WithParamInterface<int> {};
+
+INSTANTIATE_TEST_SUITE_P(Levels, UnseenOfLevels, testing::Values(5, 4));
+
+TEST_P(UnseenOfLevels, PixelsAreThoseOfTheProcessor) {
+    const scene::Coverage coverage = scene::coarsened(roomCoverage(), GetParam());
+    ASSERT_EQ(scene::levelsOf(coverage), GetParam());
     const Texels texels(coverage);
     // No whole number of blocks, and not looking through the middle of the picture.
     auto eyes = eyesAt();
@@ -272,7 +294,7 @@ TEST_F(Unseen, PixelsAreThoseOfTheProcessor) {
                 for (int x = 0; x < 157; ++x) {
                     const float end = unseenEnd(c, before[eye].pixelClass(x, y), before[eye].depthMetres(x, y));
                     const vec3 direction = rayOf(c, static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f);
-                    const UnseenHit hit = walkToUnseen(texels, vec3(c.eye), direction, c.eye.w, end, 0.0f);
+                    const UnseenHit hit = walkToUnseen(texels, vec3(c.eye), direction, c.eye.w, end, vec2(0.0f));
                     ++(hit.isUnseen ? unseen : kept);
                     if (!hit.isUnseen) {
                         differ += drawn[eye].pixelClass(x, y) != before[eye].pixelClass(x, y) ||

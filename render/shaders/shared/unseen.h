@@ -13,6 +13,9 @@
 // "Proximity clouds", 1994). A block of pixels crosses it together, as far as one box of open space after the other
 // holds all of its rays (after the beams of Laine and Karras, "Efficient sparse voxel octrees", 2010).
 //
+// Whoever includes this says with kHasDivided whether any voxel is divided: a shader for a tree without does not go
+// below, not even where a driver does both sides of a branch.
+//
 // Before this header: texels of four words each through coverageTexel(index), as render/post/coverage_texels.h lays
 // them out.
 
@@ -62,10 +65,13 @@ SHARED_CONSTANT uint kBeamPixels = 8u;     ///< along the side of a block of pix
 SHARED_CONSTANT int kMostBeamSteps = 64;
 /// Voxels: where the boxes are smaller it is no use to go on together.
 SHARED_CONSTANT float kLeastBeamStep = 0.05f;
+SHARED_CONSTANT int kMostBeamStarts = 12;    ///< so often they begin anew behind what is not open for all
+SHARED_CONSTANT float kBeamStart = 0.2f;     ///< so much farther, of the way until there; a voxel at least
 SHARED_CONSTANT int kMostUnseenSteps = 2048; ///< through the finest cells of a cube a ray takes fewer in any real scene
 SHARED_CONSTANT float kRayInfinity = 1e30f;
 
 #ifdef __cplusplus
+constexpr bool kHasDivided = true;
 #define COVERAGE_PARAMETER const CoverageTexels &texels,
 #define COVERAGE_ARGUMENT texels,
 #define COVERAGE_TEXEL(index) texels(index)
@@ -121,18 +127,23 @@ COVERAGE_TEMPLATE SHARED_FUNCTION uint nodeOfVoxel(COVERAGE_PARAMETER UnseenVoxe
     return wordOf(COVERAGE_TEXEL(kFirstBase + (voxel.index >> 6)), voxel.index >> 4) + uint(rank);
 }
 
+/// The box of open voxels about one that is not divided, or that voxel, if it is unseen; p in the voxel.
+SHARED_FUNCTION UnseenCell boxAbout(UnseenVoxel voxel, vec3 p) {
+    float beside = max(float(voxel.rings), 1.0f) - 1.0f, edge = 2.0f * beside + 1.0f;
+    float size = float(kVoxelsAcross);
+    UnseenCell cell;
+    cell.isUnseen = voxel.rings == 0u;
+    cell.scale = size / edge;
+    cell.within = (p * size - (voxel.at - vec3(beside))) / edge;
+    return cell;
+}
+
 /// The cell of the tree that p is in, or the box of open voxels about it; p in the cube.
 COVERAGE_TEMPLATE SHARED_FUNCTION UnseenCell unseenCellAt(COVERAGE_PARAMETER vec3 p) {
     UnseenVoxel voxel = unseenVoxelAt(COVERAGE_ARGUMENT p);
+    if (!kHasDivided || voxel.rings != kDividedVoxel) return boxAbout(voxel, p);
     UnseenCell cell;
     float size = float(kVoxelsAcross);
-    if (voxel.rings != kDividedVoxel) {
-        float beside = max(float(voxel.rings), 1.0f) - 1.0f, edge = 2.0f * beside + 1.0f;
-        cell.isUnseen = voxel.rings == 0u;
-        cell.scale = size / edge;
-        cell.within = (p * size - (voxel.at - vec3(beside))) / edge;
-        return cell;
-    }
     uint node = nodeOfVoxel(COVERAGE_ARGUMENT voxel);
     vec3 within = (p * size - voxel.at) * 4.0f;
     float scale = size * 4.0f;
@@ -179,9 +190,12 @@ SHARED_FUNCTION float safeInverse(float part) {
     return 1.0f / (abs(part) < 1e-12f ? (part < 0.0f ? -1e-12f : 1e-12f) : part);
 }
 
-/// Metres of depth that rays from the eye have before them in open space, all of those between four corners: base,
-/// base + across, base + down, and with both. 0 if the eye itself is not in it.
-COVERAGE_TEMPLATE SHARED_FUNCTION float openDepth(COVERAGE_PARAMETER vec3 eye, vec3 base, vec3 across, vec3 down) {
+/// The longest stretch of open space that rays from the eye pass together, all of those between four corners: base,
+/// base + across, base + down, and with both. Metres of depth, from where to where; both 0 if there is none. end: none
+/// of them need be known farther. What is closed is passed by steps, since an eye often stands in it: in a narrow gap
+/// of what was observed, or in a pocket.
+COVERAGE_TEMPLATE SHARED_FUNCTION vec2 openStretch(COVERAGE_PARAMETER vec3 eye, vec3 base, vec3 across, vec3 down,
+                                                   float end) {
     float size = float(kVoxelsAcross);
     vec3 middle = base + 0.5f * (across + down);
     vec3 beside = 0.5f * (abs(across) + abs(down));
@@ -194,28 +208,40 @@ COVERAGE_TEMPLATE SHARED_FUNCTION float openDepth(COVERAGE_PARAMETER vec3 eye, v
                           most.z > 0.0f ? 0.0f : kRayInfinity);
     vec3 neverLow = vec3(least.x < 0.0f ? 0.0f : kRayInfinity, least.y < 0.0f ? 0.0f : kRayInfinity,
                          least.z < 0.0f ? 0.0f : kRayInfinity);
-    float step_ = kLeastBeamStep / (size * max(max(abs(middle.x), abs(middle.y)), abs(middle.z)));
-    float t = 0.0f;
-    for (int i = 0; i < kMostBeamSteps; ++i) {
+    float perVoxel = 1.0f / (size * max(max(abs(middle.x), abs(middle.y)), abs(middle.z)));
+    vec2 best = vec2(0.0f, 0.0f);
+    float t = 0.0f, from = 0.0f;
+    int closed = 0;
+    for (int i = 0; i < kMostBeamSteps && closed < kMostBeamStarts && t < end; ++i) {
         UnseenVoxel voxel = unseenVoxelAt(COVERAGE_ARGUMENT eye + t * middle);
-        if (voxel.rings == 0u || voxel.rings == kDividedVoxel) break;
-        float rings = float(voxel.rings);
+        float rings = voxel.rings == kDividedVoxel ? 0.0f : float(voxel.rings);
         vec3 low = (voxel.at - vec3(rings - 1.0f)) * (1.0f / size);
         vec3 high = (voxel.at + vec3(rings)) * (1.0f / size);
         vec3 inside = min(high - (eye + t * most), (eye + t * least) - low);
-        if (min(min(inside.x, inside.y), inside.z) < 0.0f) break;
         vec3 leave = min((high - eye) * perMost + neverHigh, (low - eye) * perLeast + neverLow);
         float next = min(min(leave.x, leave.y), leave.z);
-        if (!(next > t + step_)) break;
-        t = next;
+        bool isOpen = min(min(inside.x, inside.y), inside.z) >= 0.0f && next > t + kLeastBeamStep * perVoxel;
+        if (isOpen) {
+            t = next;
+            if (t - from > best.y - best.x) best = vec2(from, t);
+        } else {
+            t = t + max(perVoxel, kBeamStart * t);
+            from = t;
+            closed = closed + 1;
+        }
     }
-    return t;
+    return best;
+}
+
+SHARED_FUNCTION vec3 inCubeAt(vec3 eye, vec3 direction, float t) {
+    PRECISE vec3 p = eye + t * direction;
+    return clamp(p, vec3(0.0f), vec3(0.9999999f));
 }
 
 /// eye, direction: in edges of the cube; end: metres of depth to where something is drawn, infinite if nothing is;
-/// open: metres of depth to which it is known to be in open space.
+/// open: a stretch of metres of depth that is known to be open space.
 COVERAGE_TEMPLATE SHARED_FUNCTION UnseenHit walkToUnseen(COVERAGE_PARAMETER vec3 eye, vec3 direction, float pocket,
-                                                         float end, float open) {
+                                                         float end, vec2 open) {
     UnseenHit hit;
     hit.isUnseen = false;
     hit.depth = kRayInfinity;
@@ -229,8 +255,9 @@ COVERAGE_TEMPLATE SHARED_FUNCTION UnseenHit walkToUnseen(COVERAGE_PARAMETER vec3
     float leave = min(min(out_.x, out_.y), out_.z);
     bool isMissed = !(enter < leave);
 
-    bool isInPocket = open <= 0.0f && (isMissed || enter > 0.0f || pocket > 0.0f);
-    float t = max(enter, open);
+    bool isEyeOpen = open.x <= 0.0f && open.y > 0.0f;
+    bool isInPocket = !isEyeOpen && (isMissed || enter > 0.0f || pocket > 0.0f);
+    float t = enter;
     float last = min(end, leave);
     // A nudge past a cell's face: what floats can still tell apart there.
     float perStep = max(max(abs(direction.x), abs(direction.y)), abs(direction.z));
@@ -238,8 +265,8 @@ COVERAGE_TEMPLATE SHARED_FUNCTION UnseenHit walkToUnseen(COVERAGE_PARAMETER vec3
     bool hasBegun = !isInPocket;
     if (!isMissed) {
         for (int i = 0; i < kMostUnseenSteps && t < last; ++i) {
-            PRECISE vec3 p = eye + t * direction;
-            UnseenCell cell = unseenCellAt(COVERAGE_ARGUMENT clamp(p, vec3(0.0f), vec3(0.9999999f)));
+            t = hasBegun && t >= open.x ? max(t, open.y) : t;
+            UnseenCell cell = unseenCellAt(COVERAGE_ARGUMENT inCubeAt(eye, direction, t));
             if (cell.isUnseen && hasBegun) {
                 hit.isUnseen = true;
                 hit.depth = t;
