@@ -36,15 +36,28 @@ std::size_t bytesOfSketches(const scene::Capture& capture, int shrink) {
     return bytes;
 }
 
-/// How much smaller sketches are than photographs, so that all fit into memory; nothing if none do.
-std::optional<int> shrinkFor(const scene::Capture& capture, std::size_t bytes) {
+int pixelsAcross(const scene::Capture& capture) {
     int across = 0;
     for (const scene::PhotoSource& photo : capture.photos)
         across = std::max({across, photo.camera.width, photo.camera.height});
-    int shrink = std::max(1, static_cast<int>(std::lround(static_cast<double>(across) / kPixelsAcross)));
-    while (bytesOfSketches(capture, shrink) > bytes && across / shrink > kFewestAcross)
-        ++shrink;
-    if (bytesOfSketches(capture, shrink) > bytes) return std::nullopt;
+    return across;
+}
+
+/// How much smaller sketches are than photographs.
+struct Shrink {
+    int wished = 1; ///< finer ones hold poses no better
+    int factor = 1; ///< so that all fit into memory
+};
+
+/// Nothing if none fit.
+std::optional<Shrink> shrinkFor(const scene::Capture& capture, std::size_t bytes) {
+    const int across = pixelsAcross(capture);
+    Shrink shrink;
+    shrink.wished = std::max(1, static_cast<int>(std::lround(static_cast<double>(across) / kPixelsAcross)));
+    shrink.factor = shrink.wished;
+    while (bytesOfSketches(capture, shrink.factor) > bytes && across / (shrink.factor + 1) >= kFewestAcross)
+        ++shrink.factor;
+    if (bytesOfSketches(capture, shrink.factor) > bytes) return std::nullopt;
     return shrink;
 }
 
@@ -143,16 +156,21 @@ json adjustPoses(scene::Capture& capture, const std::vector<std::size_t>& heldOu
         remark("Photographs stand where they are said to stand: beside scans they are not laid on each other.");
         return nullptr;
     }
-    const std::optional<int> shrink = shrinkFor(capture, options.memoryBytes / 2);
+    const std::optional<Shrink> shrink = shrinkFor(capture, options.memoryBytes / 2);
     if (!shrink) {
         remark("Photographs stand where they are said to stand: " + std::to_string(capture.photos.size()) +
                " are too many to be laid on each other within --memory; give more.");
         return nullptr;
     }
+    if (shrink->factor > shrink->wished)
+        remark("Photographs are laid on each other by pictures " +
+               std::to_string(pixelsAcross(capture) / shrink->factor) + " pixels across instead of " +
+               std::to_string(pixelsAcross(capture) / shrink->wished) +
+               ", which are all that --memory holds: poses may be less exact than with more.");
     const scene::JointImagesOptions o;
-    const std::string key = keyOfAdjustment(capture, heldOut, *shrink, o);
+    const std::string key = keyOfAdjustment(capture, heldOut, shrink->factor, o);
     const std::filesystem::path folder = store.find("poses", key, [&](const std::filesystem::path& part) {
-        writeWhole(part / "poses.json", describe(capture, adjust(capture, heldOut, *shrink, o)).dump());
+        writeWhole(part / "poses.json", describe(capture, adjust(capture, heldOut, shrink->factor, o)).dump());
     });
     const json report = readJson(folder / "poses.json");
     for (std::size_t i = 0; i < capture.photos.size(); ++i) {

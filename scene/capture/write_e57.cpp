@@ -9,6 +9,7 @@
 #include <bit>
 #include <cassert>
 #include <cstdio>
+#include <fstream>
 #include <span>
 
 #include <E57Format.h>
@@ -188,6 +189,8 @@ void writeE57(const std::filesystem::path& path, std::size_t count,
               const std::function<ScanWithIntensity(std::size_t)>& scanAt, const WrittenPhotographs& photographs) {
     try {
         const UnfinishedFile unfinished(path);
+        // The library would make the file for its owner alone; of one that is there it keeps who may read it.
+        std::ofstream(unfinished.path()).close();
         e57::ImageFile file(unfinished.path().string(), "w");
         e57::StructureNode root = file.root();
         file.extensionsAdd("", e57::E57_V1_0_URI);

@@ -1,5 +1,7 @@
 #include "scene/project/dropouts.h"
 
+#include "scene/project/disparity_runs.h"
+
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -78,20 +80,10 @@ bool isSurrounded(const std::vector<Neighbour>& members) {
     return false;
 }
 
-/// The run of samples of like disparity with the greatest weight; neighbours must be sorted by disparity.
+/// The surface that most about a pixel are of; neighbours must be sorted by disparity.
 std::span<const Neighbour> heaviestCluster(const std::vector<Neighbour>& neighbours, float sameSurface) {
-    std::size_t bestFirst = 0, bestLast = 0;
-    float bestWeight = 0;
-    for (std::size_t first = 0, last = 0; first < neighbours.size(); first = last) {
-        float weight = 0;
-        do {
-            weight += neighbours[last].weight;
-            ++last;
-        } while (last < neighbours.size() && neighbours[last].disparity - neighbours[last - 1].disparity <=
-                                                 sameSurface * neighbours[last].disparity);
-        if (weight > bestWeight) bestWeight = weight, bestFirst = first, bestLast = last;
-    }
-    return std::span(neighbours).subspan(bestFirst, bestLast - bestFirst);
+    return heaviestRun<float>(std::span(neighbours),
+                              [&](const Neighbour& neighbour) { return sameSurface * neighbour.disparity; });
 }
 
 /// Sorted by disparity; like disparities stay in their order, so that sums are the same on every machine. All must be

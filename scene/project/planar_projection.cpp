@@ -1,5 +1,6 @@
 #include "scene/project/planar_projection.h"
 
+#include "scene/project/disparity_runs.h"
 #include "scene/project/loose_points.h"
 #include "scene/project/scan_grid.h"
 
@@ -284,18 +285,7 @@ class Projection {
 
     /// secant: between the pixel's ray and the camera's axis; noise is along the ray.
     std::span<const Member> heaviest(std::span<const Member> sorted, double secant) const {
-        std::size_t bestFirst = 0, bestEnd = 0;
-        double bestWeight = 0;
-        for (std::size_t first = 0, end = 0; first < sorted.size(); first = end) {
-            double weight = 0;
-            do {
-                weight += sorted[end].weight;
-                ++end;
-            } while (end < sorted.size() &&
-                     sorted[end].disparity - sorted[end - 1].disparity <= gap(sorted[end].disparity, secant));
-            if (weight > bestWeight) bestWeight = weight, bestFirst = first, bestEnd = end;
-        }
-        return sorted.subspan(bestFirst, bestEnd - bestFirst);
+        return heaviestRun<double>(sorted, [&](const Member& member) { return gap(member.disparity, secant); });
     }
 
     /// Relative.

@@ -179,9 +179,17 @@ TEST_F(Poses, APhotographOfAnotherPlaceIsNamedAndLeftWhereItWas) {
 }
 
 TEST_F(Poses, TooManyForTheMemoryStayWhereTheyAre) {
-    const Outcome built = build("off", "small.revisit", {"--memory", "1M"});
+    const Outcome built = build("off", "small.revisit", {"--memory", "5M"});
     ASSERT_EQ(built.status, 0) << built.output;
     EXPECT_THAT(built.output, HasSubstr("36 are too many to be laid on each other within --memory"));
+}
+
+TEST_F(Poses, ThatPicturesAreCoarserForLackOfMemoryIsSaid) {
+    const Outcome built = build("off", "coarse.revisit", {"--memory", "16M"});
+    ASSERT_EQ(built.status, 0) << built.output;
+    EXPECT_THAT(built.output, HasSubstr("by pictures 160 pixels across instead of 320"));
+    const json poses = readJson(path("coarse.revisit") + "/scene.json").at("poses");
+    EXPECT_GT(poses.at("adjusted"), kImages / 2);
 }
 
 } // namespace

@@ -12,6 +12,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <numeric>
 
 #include <glm/geometric.hpp>
@@ -260,6 +262,13 @@ TEST_F(WrittenScans, E57ComesBackAsItWas) {
     EXPECT_FALSE(grey.hasColour);
     const auto brightest = std::max_element(written.intensities.begin(), written.intensities.end());
     EXPECT_EQ(grey.colours[static_cast<std::size_t>(brightest - written.intensities.begin())], (Rgb8{255, 255, 255}));
+}
+
+TEST_F(WrittenScans, WhoeverMayReadOtherFilesMayReadAnE57) {
+    writeE57(folder_ / "a.e57", 1, [&](std::size_t) { return scanned(); });
+    std::ofstream(folder_ / "other").close();
+    EXPECT_EQ(std::filesystem::status(folder_ / "a.e57").permissions(),
+              std::filesystem::status(folder_ / "other").permissions());
 }
 
 TEST_F(WrittenScans, PtxComesBackToATenthOfAMillimetre) {
