@@ -187,7 +187,8 @@ void addDrawOptions(CLI::App& command, app::DrawOptions& options) {
                      "show space that no image ever observed as emptiness instead of dark stripes");
     command
         .add_option("--coverage-cell", options.coverageCellMetres,
-                    "tell unseen space by cells of this many metres at least: faster, and less memory; 0: as built")
+                    "tell unseen space by cells of this many metres at least, e.g. 0.02: less exact, faster, less "
+                    "memory; 0: as built")
         ->check(CLI::Range(0.0, 100.0))
         ->capture_default_str()
         ->group(group);

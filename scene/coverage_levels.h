@@ -18,9 +18,9 @@ int levelsOf(const Coverage& coverage);
 /// Edge of the smallest cell that a tree of so many levels can have, metres.
 double cellOfLevels(const Coverage& coverage, int levels);
 
-/// Of at most so many levels (at least 1). What is cut off becomes one cell. With a surface in it, it is of surface
-/// unless three quarters of it are unseen: a wall before the unseen must not come to stand within it. Else it is unseen
-/// if half of what it holds is, or more. A rim of the unseen moves by less than such a cell; what is thinner is lost.
+/// Of at most so many levels (at least 1). What is cut off becomes one cell: unseen if three quarters of it are,
+/// else of surface if there is any in it, else empty. A rim of the unseen moves by less than such a cell; what is
+/// thinner is lost, on either side of it.
 Coverage coarsened(const Coverage& coverage, int levels);
 
 } // namespace scene

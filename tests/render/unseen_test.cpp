@@ -156,6 +156,22 @@ TEST(UnseenWalk, AnEyeInThePocketLooksThroughIt) {
     EXPECT_FALSE(walk(5, 2, 1).isUnseen);
 }
 
+TEST(UnseenWalk, WhatIsDrawnWithinAnOpenStretchHidesWhatIsBehindIt) {
+    scene::Coverage coverage;
+    coverage.edgeMetres = 4;
+    coverage.nodes.resize(1);
+    for (int bit = 0; bit < 64; ++bit)
+        if (bit % 4 == 0 || bit % 4 == 3) coverage.nodes[0].unseen |= scene::coverageMask(bit); // x < 1 and x > 3
+    const Texels texels(coverage);
+    const vec3 eye(0.225f, 0.6f, 0.6f), ahead(0.25f, 0.001f, 0.002f), aside(0.0f, 1e-4f, 0.0f), down(0.0f, 0.0f, 1e-4f);
+    const vec2 open = openStretch(texels, eye, ahead, aside, down, kRayInfinity);
+    EXPECT_NEAR(open.x, 0.12f, 0.02f) << "behind what the eye stands in";
+    EXPECT_NEAR(open.y, 2.1f, 1e-3f);
+    for (const float end : {0.2f, 1.0f, 2.0f})
+        EXPECT_FALSE(walkToUnseen(texels, eye, ahead, 1.0f, end, open).isUnseen) << end;
+    EXPECT_NEAR(walkToUnseen(texels, eye, ahead, 1.0f, kRayInfinity, open).depth, 2.1f, 1e-3f);
+}
+
 /// Voxels in which nothing is unseen, asked of the tree itself; outside there are none.
 bool isOpen(const scene::Coverage& coverage, const std::array<int, 3>& voxel) {
     constexpr double kEdge = 1.0 / kVoxelsAcross;
@@ -198,8 +214,8 @@ void expectToGoTogether(const scene::Coverage& coverage, float pocket) {
         const vec3 eye(uniform(), uniform(), uniform());
         const vec3 base(uniform() - 0.5f, uniform() - 0.5f, uniform() - 0.5f);
         const vec3 across(0.02f * uniform(), 0.02f * uniform(), 0.0f), down(0.0f, 0.0f, 0.02f * uniform());
-        const float end = i % 2 == 0 ? kRayInfinity : 2 * uniform();
-        const vec2 open = openStretch(texels, eye, base, across, down, end);
+        const float farthest = i % 2 == 0 ? kRayInfinity : 2 * uniform();
+        const vec2 open = openStretch(texels, eye, base, across, down, farthest);
         ++beams, together += open.y - open.x > 0.05f ? 1 : 0, later += open.y > open.x && open.x > 0 ? 1 : 0;
         for (int ray = 0; ray < 10; ++ray) {
             const vec3 direction = base + uniform() * across + uniform() * down;
@@ -207,6 +223,8 @@ void expectToGoTogether(const scene::Coverage& coverage, float pocket) {
                 const vec3 p = eye + (open.x + float(k) / 40.0f * (open.y - open.x)) * direction;
                 EXPECT_FALSE(open.y > open.x && unseenCellAt(texels, p).isUnseen) << "something unseen was passed over";
             }
+            // Some end sooner than the one that goes farthest, most of those before the stretch does.
+            const float end = ray % 2 == 0 ? farthest : std::min(farthest, 2.0f) * uniform();
             const UnseenHit alone = walkToUnseen(texels, eye, direction, pocket, end, vec2(0.0f)),
                             on = walkToUnseen(texels, eye, direction, pocket, end, open);
             // At a face between two cells single precision may choose the other one.
@@ -214,6 +232,7 @@ void expectToGoTogether(const scene::Coverage& coverage, float pocket) {
                 alone.isUnseen == on.isUnseen &&
                 (!alone.isUnseen || std::abs(on.depth - alone.depth) <= 1e-3f * std::max(alone.depth, 1e-3f));
             differ += isSame ? 0 : 1;
+            EXPECT_FALSE(on.isUnseen && on.depth > end) << "behind what is drawn";
         }
     }
     EXPECT_GT(together, beams / 8) << "or nothing was tested";

@@ -95,11 +95,8 @@ Observed asOne(const std::vector<Observed>& kinds, int side, const std::array<in
         for (int y = first[1]; y < first[1] + edge; ++y)
             for (int x = first[0]; x < first[0] + edge; ++x)
                 ++count[static_cast<std::size_t>(kinds[static_cast<std::size_t>((z * side + y) * side + x)])];
-    const int unseen = count[static_cast<std::size_t>(Observed::unseen)],
-              empty = count[static_cast<std::size_t>(Observed::empty)];
-    if (count[static_cast<std::size_t>(Observed::surface)] > 0)
-        return 4 * unseen >= 3 * edge * edge * edge ? Observed::unseen : Observed::surface;
-    return unseen >= empty ? Observed::unseen : Observed::empty;
+    if (4 * count[static_cast<std::size_t>(Observed::unseen)] >= 3 * edge * edge * edge) return Observed::unseen;
+    return count[static_cast<std::size_t>(Observed::surface)] > 0 ? Observed::surface : Observed::empty;
 }
 
 TEST(CoverageLevels, WhatIsCutOffIsOneCellOfItsOwnKind) {

@@ -266,6 +266,7 @@ COVERAGE_TEMPLATE SHARED_FUNCTION UnseenHit walkToUnseen(COVERAGE_PARAMETER vec3
     if (!isMissed) {
         for (int i = 0; i < kMostUnseenSteps && t < last; ++i) {
             t = hasBegun && t >= open.x ? max(t, open.y) : t;
+            if (t >= last) break;
             UnseenCell cell = unseenCellAt(COVERAGE_ARGUMENT inCubeAt(eye, direction, t));
             if (cell.isUnseen && hasBegun) {
                 hit.isUnseen = true;
