@@ -16,6 +16,7 @@ namespace app {
 struct Knobs {
     render::Quality quality;
     double resolutionScale = 1; ///< at the desk: pixels of a picture's side over the window's
+    bool isFilmed = false;      ///< what is shown goes into a film
     int deskEyes = 1;
     bool showsCameras = false, showsCells = false;
     input::Settings settings;

@@ -79,6 +79,7 @@ class DeskWindow {
         if (says.said(Command::video)) {
             state_.isFilming = !state_.isFilming && keeper_.beginFilm();
             if (!state_.isFilming) keeper_.endFilm();
+            knobs_.isFilmed = state_.isFilming;
         }
         if (says.said(Command::viewWalker)) state_.view = PanelState::View::walker;
         if (says.said(Command::viewLeft)) state_.view = PanelState::View::left;

@@ -50,6 +50,12 @@ std::string nameOf(const Step& step) {
     return text.data();
 }
 
+/// Late frames that do not make it fall: by chance there are one or two.
+constexpr double kForgiven = 2;
+
+/// So many times what was guessed a rung may turn out to cost.
+constexpr double kMostWrong = 3;
+
 } // namespace
 
 std::vector<Rung> ladderOf(const render::Quality& base) {
@@ -84,7 +90,8 @@ std::vector<Rung> ladderOf(const render::Quality& base) {
 }
 
 Governor::Governor(std::vector<double> costs, const GovernorOptions& options)
-    : costs_(std::move(costs)), options_(options), patience_(options.patience), frames_(costs_.size()) {
+    : guesses_(std::move(costs)), costs_(guesses_), options_(options), patience_(options.patience),
+      frames_(costs_.size()) {
     assert(!costs_.empty() && options.late <= options.window && options.budgetMilliseconds > 0);
 }
 
@@ -95,6 +102,8 @@ int Governor::rungFor(std::uint64_t frame) {
         framesOnRung_ = 0;
     }
     last_ = frame;
+    for (std::size_t i = 0; i < costs_.size(); ++i)
+        costs_[i] += (guesses_[i] - costs_[i]) / options_.memory;
     if (const std::optional<Wish> wished = wish()) change(*wished, frame);
     ++framesOnRung_, ++asked_;
     ++frames_[static_cast<std::size_t>(rung_)];
@@ -102,54 +111,96 @@ int Governor::rungFor(std::uint64_t frame) {
 }
 
 void Governor::tell(std::uint64_t frame, double milliseconds) {
-    // Nothing of before the change, and no clock that ran backwards.
-    if (!last_ || frame < first_ || frame > *last_ || !(milliseconds >= 0)) return;
+    if (!last_ || frame > *last_ || !(milliseconds >= 0)) return; // no clock that ran backwards
+    if (milliseconds > options_.budgetMilliseconds) ++overBudget_;
+    if (frame < first_) return; // nothing of before the change
     told_.push_back(milliseconds);
-    if (told_.size() > static_cast<std::size_t>(std::max(options_.window, options_.patience))) told_.pop_front();
+    if (told_.size() > static_cast<std::size_t>(std::max(options_.window, options_.rareWindow))) told_.pop_front();
 }
 
-double Governor::median(std::size_t newest) const {
-    std::vector<double> values(told_.end() - static_cast<std::ptrdiff_t>(std::min(newest, told_.size())), told_.end());
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
+/// Of a frame on another rung, as a share of this one's.
+double Governor::costBeside(int rung) const {
+    return costs_[static_cast<std::size_t>(rung)] / costs_[static_cast<std::size_t>(rung_)];
 }
 
 std::optional<Governor::Wish> Governor::wish() const {
-    const auto window = static_cast<std::size_t>(options_.window);
-    const double full = options_.fullShare * options_.budgetMilliseconds,
-                 room = options_.roomShare * options_.budgetMilliseconds;
-    const auto costAt = [&](int rung) { return costs_[static_cast<std::size_t>(rung)]; };
+    if (const std::optional<Wish> fall = wishToFall()) return fall;
+    if (const std::optional<Wish> fall = wishToFallForTheRare()) return fall;
+    return wishToClimb();
+}
+
+std::optional<Governor::Wish> Governor::wishToFall() const {
     const int floor = static_cast<int>(costs_.size()) - 1;
+    const auto newest =
+        told_.end() - static_cast<std::ptrdiff_t>(std::min(static_cast<std::size_t>(options_.window), told_.size()));
+    const auto late = std::count_if(newest, told_.end(), [&](double ms) { return ms > full(); });
+    if (late < options_.late || rung_ == floor) return std::nullopt;
+    // The late ones say how far: those before may be of an easier place.
+    std::vector<double> values(newest, told_.end());
+    std::sort(values.begin(), values.end());
+    const double load = values[values.size() - static_cast<std::size_t>(late) / 2 - 1];
+    int rung = rung_ + 1;
+    while (rung < floor && load * costBeside(rung) > full())
+        ++rung;
+    return Wish{rung, load};
+}
 
-    const auto newest = told_.end() - static_cast<std::ptrdiff_t>(std::min(window, told_.size()));
-    const auto late = std::count_if(newest, told_.end(), [&](double ms) { return ms > full; });
-    if (late >= options_.late && rung_ < floor) {
-        // The late ones say how far: those before may be of an easier place.
-        std::vector<double> values(newest, told_.end());
-        std::sort(values.begin(), values.end());
-        const double load = values[values.size() - static_cast<std::size_t>(late) / 2 - 1];
-        int rung = rung_ + 1;
-        while (rung < floor && load * costAt(rung) / costAt(rung_) > full)
-            ++rung;
-        return Wish{rung, load};
-    }
+/// Whether no more of the frames on this rung would have been late, had each cost so much of what it took, than are
+/// forgiven.
+bool Governor::isSeldomLate(double cost, double forgiven) const {
+    const double stall = options_.stall * options_.budgetMilliseconds;
+    const auto late =
+        std::count_if(told_.begin(), told_.end(), [&](double ms) { return ms <= stall && ms * cost > full(); });
+    return static_cast<double>(late) <= std::max(forgiven, options_.rareShare * static_cast<double>(told_.size()));
+}
 
-    if (rung_ == 0 || told_.size() < static_cast<std::size_t>(options_.patience)) return std::nullopt;
-    const double load = median(told_.size());
+std::optional<Governor::Wish> Governor::wishToFallForTheRare() const {
+    const int floor = static_cast<int>(costs_.size()) - 1;
+    if (rung_ == floor || isSeldomLate(1, kForgiven)) return std::nullopt;
+    int rung = rung_ + 1;
+    while (rung < floor && !isSeldomLate(costBeside(rung), kForgiven))
+        ++rung;
+    return Wish{rung, *std::max_element(told_.begin(), told_.end()), true};
+}
+
+std::optional<Governor::Wish> Governor::wishToClimb() const {
+    const auto patience = static_cast<std::size_t>(options_.patience);
+    if (rung_ == 0 || told_.size() < patience) return std::nullopt;
+    std::vector<double> values(told_.end() - options_.patience, told_.end());
+    const auto middle = values.begin() + options_.patience / 2;
+    std::nth_element(values.begin(), middle, values.end());
+    const double load = *middle;
     // What made the last climb fail is gone: no reason to be patient any longer.
     const bool isEased = failedAt_ > 0 && load < 0.7 * failedAt_;
     if (framesOnRung_ < static_cast<std::uint64_t>(isEased ? options_.patience : patience_)) return std::nullopt;
-    if (load * costAt(rung_ - 1) / costAt(rung_) < room) return Wish{rung_ - 1, load};
+    const double cost = costBeside(rung_ - 1);
+    if (load * cost < options_.roomShare * options_.budgetMilliseconds && isSeldomLate(cost, 0))
+        return Wish{rung_ - 1, load};
     return std::nullopt;
 }
 
-void Governor::change(const Wish& wish, std::uint64_t frame) {
+/// A climb has failed. That the machine was slower meanwhile, or the place heavier, cannot be told from it; it is
+/// forgotten in time.
+void Governor::learnFrom(double milliseconds) {
+    if (!(climbedFrom_ > 0)) return;
+    double& cost = costs_[static_cast<std::size_t>(rung_)];
+    const double below = costs_[static_cast<std::size_t>(rung_) + 1];
+    cost = std::clamp(below * milliseconds / climbedFrom_, cost, kMostWrong * cost);
+}
+
+void Governor::change(Wish wish, std::uint64_t frame) {
     const bool climbs = wish.rung < rung_;
     const double load = wish.milliseconds;
     if (!climbs && climbed_ && framesOnRung_ <= static_cast<std::uint64_t>(options_.trial)) {
         patience_ = std::min(2 * patience_, options_.mostPatience);
         failedAt_ = climbedFrom_;
+        if (!wish.isForTheRare) learnFrom(load);
+    }
+    if (!climbs) {
+        const bool isHurried =
+            !climbed_ && !changes_.empty() && framesOnRung_ <= static_cast<std::uint64_t>(options_.hurry);
+        depth_ = isHurried ? 2 * depth_ : 1;
+        wish.rung = std::min(std::max(wish.rung, rung_ + depth_), static_cast<int>(costs_.size()) - 1);
     }
     if (climbs && failedAt_ > 0 && load < 0.7 * failedAt_) patience_ = options_.patience, failedAt_ = 0;
     climbedFrom_ = load;
@@ -172,7 +223,10 @@ nlohmann::json toJson(const Governor& governor, std::span<const Rung> ladder, do
     for (std::size_t i = 0; i < ladder.size(); ++i)
         rungs.push_back(
             {{"name", ladder[i].name}, {"quality", toJson(ladder[i].quality)}, {"frames", governor.frames()[i]}});
-    return {{"rate_hz", framesPerSecond}, {"rungs", rungs}, {"changes", changes}};
+    return {{"rate_hz", framesPerSecond},
+            {"frames_over_budget", governor.overBudget()},
+            {"rungs", rungs},
+            {"changes", changes}};
 }
 
 } // namespace app

@@ -125,7 +125,9 @@ void Walk::drawFrame(WalkStage& stage, xr::ViewSource& source, const xr::Frame& 
     const auto start = std::chrono::steady_clock::now();
     advance(stage, source, frame);
     drawSomehow(stage, source, frame);
-    source.end(frame);
+    xr::Frame shown = frame;
+    shown.pictureWidth = stats_.picture.width, shown.pictureHeight = stats_.picture.height;
+    source.end(shown);
     if (governed_) governed_->tell(stats_, stage.device().isProcessor());
     const std::chrono::duration<double, std::milli> passed = std::chrono::steady_clock::now() - start;
     report_.add(stats_, passed.count());
@@ -338,6 +340,8 @@ void Walk::draw(WalkStage& stage, xr::ViewSource& source, const xr::Frame& frame
         outputs[eye].nearMetres = static_cast<float>(xr::kDepthNearMetres * rig.scale);
     }
     if (isDesk(source) || (deskSide_ != nullptr && deskSide_->desk.wantsPicture())) renderer.keepNext();
+    // What is kept as a file is of one size, and any picture at the desk may be.
+    renderer.letDisplayEnlarge(!isDesk(source) && !knobs_.isFilmed && !record_.wantsPicture(static_cast<int>(frame_)));
     drawn_ = without(governed_ ? governed_->next(knobs_.quality, renderer.frames()) : knobs_.quality, givenUp_);
     stage.gpuScene().showOnly(selection_.choose(std::span(views).first(eyes), drawn_, seconds_));
     fillOverlay(source);

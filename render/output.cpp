@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <utility>
+#include <vector>
 
 namespace render {
 
@@ -43,7 +44,27 @@ VkBufferImageCopy copyOf(const Layer& layer, int width, int height) {
     return copy;
 }
 
-void recordCopy(VkCommandBuffer commands, VkBuffer from, const Layer& to, int width, int height) {
+/// The picture, and its last row and column again beyond it where there is room.
+std::vector<VkBufferImageCopy> copiesOf(const Layer& layer, const PictureSize& picture, const PictureSize& image) {
+    const auto part = [&](int x, int y, int width, int height, int toX, int toY) {
+        VkBufferImageCopy copy = copyOf(layer, width, height);
+        copy.bufferOffset = 4 * (static_cast<VkDeviceSize>(y) * static_cast<VkDeviceSize>(picture.width) +
+                                 static_cast<VkDeviceSize>(x));
+        copy.bufferRowLength = static_cast<std::uint32_t>(picture.width);
+        copy.imageOffset = {toX, toY, 0};
+        return copy;
+    };
+    const auto [width, height] = picture;
+    const bool isWider = image.width > width, isHigher = image.height > height;
+    std::vector<VkBufferImageCopy> copies{part(0, 0, width, height, 0, 0)};
+    if (isWider) copies.push_back(part(width - 1, 0, 1, height, width, 0));
+    if (isHigher) copies.push_back(part(0, height - 1, width, 1, 0, height));
+    if (isWider && isHigher) copies.push_back(part(width - 1, height - 1, 1, 1, width, height));
+    return copies;
+}
+
+void recordCopy(VkCommandBuffer commands, VkBuffer from, const Layer& to, const PictureSize& picture,
+                const PictureSize& image) {
     VkImageMemoryBarrier barrier = barrierOf(to);
     barrier.oldLayout = VK_IMAGE_LAYOUT_UNDEFINED;
     barrier.newLayout = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL;
@@ -52,8 +73,9 @@ void recordCopy(VkCommandBuffer commands, VkBuffer from, const Layer& to, int wi
     vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_ALL_COMMANDS_BIT, VK_PIPELINE_STAGE_TRANSFER_BIT, 0, 0, nullptr, 0,
                          nullptr, 1, &barrier);
 
-    const VkBufferImageCopy copy = copyOf(to, width, height);
-    vkCmdCopyBufferToImage(commands, from, to.image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &copy);
+    const std::vector<VkBufferImageCopy> copies = copiesOf(to, picture, image);
+    vkCmdCopyBufferToImage(commands, from, to.image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
+                           static_cast<std::uint32_t>(copies.size()), copies.data());
 
     barrier.oldLayout = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL;
     barrier.newLayout = to.layout;
@@ -90,13 +112,14 @@ Buffer read(const Device& device, const Layer& layer, int width, int height) {
 
 } // namespace
 
-void recordOutput(VkCommandBuffer commands, const EyeTarget& target, int width, int height, const EyeOutput& output) {
-    recordCopy(commands, target.colours.handle(), colourOf(output), width, height);
+void recordOutput(VkCommandBuffer commands, const EyeTarget& target, const PictureSize& picture,
+                  const PictureSize& image, const EyeOutput& output) {
+    recordCopy(commands, target.colours.handle(), colourOf(output), picture, image);
 }
 
-void recordDepthOutput(VkCommandBuffer commands, VkBuffer nearOverDepth, int width, int height,
-                       const EyeOutput& output) {
-    recordCopy(commands, nearOverDepth, depthOf(output), width, height);
+void recordDepthOutput(VkCommandBuffer commands, VkBuffer nearOverDepth, const PictureSize& picture,
+                       const PictureSize& image, const EyeOutput& output) {
+    recordCopy(commands, nearOverDepth, depthOf(output), picture, image);
 }
 
 scene::Image<float> readDepthOutput(const Device& device, const EyeOutput& output, int width, int height) {

@@ -13,6 +13,10 @@ namespace render {
 class Device;
 struct EyeTarget;
 
+struct PictureSize {
+    int width = 0, height = 0; ///< pixels
+};
+
 /// An image of four bytes a pixel in the order r, g, b, a (UNORM or SRGB: bytes are copied as they are), as large as
 /// the eye, made to be a transfer destination. Nothing is copied if image is null.
 struct EyeOutput {
@@ -27,14 +31,17 @@ struct EyeOutput {
     float nearMetres = 0;
 };
 
-/// Copies the eye's resolved picture; the last byte of each pixel is its class.
-void recordOutput(VkCommandBuffer commands, const EyeTarget& target, int width, int height, const EyeOutput& output);
+/// Copies the eye's resolved picture into the image's first rows and columns; the last byte of each pixel is its class.
+/// Where the image is larger, the picture's last row and column are repeated once: who enlarges it linearly reads half
+/// a pixel beyond its edge.
+void recordOutput(VkCommandBuffer commands, const EyeTarget& target, const PictureSize& picture,
+                  const PictureSize& image, const EyeOutput& output);
 /// Likewise output's depth, from a buffer of what stands in it (DepthPass).
-void recordDepthOutput(VkCommandBuffer commands, VkBuffer nearOverDepth, int width, int height,
-                       const EyeOutput& output);
+void recordDepthOutput(VkCommandBuffer commands, VkBuffer nearOverDepth, const PictureSize& picture,
+                       const PictureSize& image, const EyeOutput& output);
 
-/// What such an image holds once all that was submitted to it is done; it must be made to be a transfer source as well.
-/// Waits: for pictures of single frames.
+/// What such an image's first rows and columns hold once all that was submitted to it is done; it must be made to be a
+/// transfer source as well. Waits: for pictures of single frames.
 scene::Image<scene::Rgb8> readOutput(const Device& device, const EyeOutput& output, int width, int height);
 scene::Image<float> readDepthOutput(const Device& device, const EyeOutput& output, int width, int height);
 

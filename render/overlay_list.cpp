@@ -132,7 +132,7 @@ class StrokeList {
     OverlayList& list_;
 };
 
-void addSegment(const Segment& segment, const scene::View& eye, StrokeList& strokes) {
+void addSegment(const Segment& segment, const scene::View& eye, double scale, StrokeList& strokes) {
     glm::dvec3 a = inEye(eye, segment.a), b = inEye(eye, segment.b);
     if (!isFinite(a) || !isFinite(b) || !(segment.widthPixels > 0) || segment.widthPixels > kWidest)
         return strokes.drop();
@@ -145,13 +145,13 @@ void addSegment(const Segment& segment, const scene::View& eye, StrokeList& stro
     if (a.z < kOverlayNearMetres) a = cutAtNear(a, b);
     if (b.z < kOverlayNearMetres) b = cutAtNear(b, a);
     strokes.add(seenFrom(eye.camera, a), seenFrom(eye.camera, b),
-                {static_cast<double>(segment.widthPixels) / 2, static_cast<double>(segment.whenHidden),
+                {scale * static_cast<double>(segment.widthPixels) / 2, static_cast<double>(segment.whenHidden),
                  packColour(segment.colour, static_cast<double>(segment.opacity))});
 }
 
-void addLabel(const Label& label, const scene::View& eye, StrokeList& strokes) {
+void addLabel(const Label& label, const scene::View& eye, double scale, StrokeList& strokes) {
     const glm::dvec3 at = inEye(eye, label.at);
-    const double height = label.heightPixels > 0 ? static_cast<double>(label.heightPixels)
+    const double height = label.heightPixels > 0 ? scale * static_cast<double>(label.heightPixels)
                                                  : eye.camera.fy * static_cast<double>(label.heightRadians);
     if (!isFinite(at) || !(height > 0) || height > kWidest) return strokes.drop();
     if (at.z < kOverlayNearMetres || label.text.empty()) return;
@@ -225,15 +225,15 @@ void fillBins(OverlayList& list) {
 
 } // namespace
 
-void listOverlay(const Overlay& overlay, const scene::View& eye, OverlayList& list) {
+void listOverlay(const Overlay& overlay, const scene::View& eye, OverlayList& list, double scale) {
     list.strokes.clear(), list.entries.clear(), list.bins.clear(), list.touches.clear();
     list.dropped = 0;
     list.constants = constantsOf(eye.camera, overlay.vignette);
     StrokeList strokes(eye.camera, list);
     for (const Segment& segment : overlay.segments)
-        addSegment(segment, eye, strokes);
+        addSegment(segment, eye, scale, strokes);
     for (const Label& label : overlay.labels)
-        addLabel(label, eye, strokes);
+        addLabel(label, eye, scale, strokes);
     fillBins(list);
 }
 

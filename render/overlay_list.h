@@ -37,7 +37,7 @@ inline std::uint32_t binsAlong(int pixels) {
     return (static_cast<std::uint32_t>(pixels) + kBinSide - 1) / kBinSide;
 }
 
-/// Makes the list anew.
-void listOverlay(const Overlay& overlay, const scene::View& eye, OverlayList& list);
+/// Makes the list anew. scale: the picture's pixels over those in which the overlay's widths and heights are given.
+void listOverlay(const Overlay& overlay, const scene::View& eye, OverlayList& list, double scale = 1);
 
 } // namespace render

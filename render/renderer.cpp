@@ -44,6 +44,10 @@ constexpr Barrier kBetweenPictures{kCompute, kWrite, kCompute, kRead | kWrite};
 constexpr Barrier kAfterKeeping{kTransfer, VK_ACCESS_TRANSFER_WRITE_BIT, VK_PIPELINE_STAGE_HOST_BIT,
                                 VK_ACCESS_HOST_READ_BIT};
 
+std::size_t pixelsOf(const PictureSize& size) {
+    return static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height);
+}
+
 void recordClear(VkCommandBuffer commands, const EyeTarget& target, int width, int height) {
     const VkDeviceSize pixels = static_cast<VkDeviceSize>(width) * static_cast<VkDeviceSize>(height);
     vkCmdFillBuffer(commands, target.zBuffer.handle(), 0, pixels * sizeof(std::uint64_t), 0);
@@ -82,7 +86,7 @@ FrameStats Renderer::draw(std::span<const scene::View> views, const Quality& qua
         readTimes(slot, stats.gpu);
     }
 
-    chooseResolution(quality);
+    chooseResolution(quality, overlay != nullptr && !overlay->labels.empty());
     tbb::parallel_for(std::size_t{0}, eyes_.size(), [&](std::size_t i) {
         const int index = static_cast<int>(i);
         choose(eyes_[i], views[i], quality, index);
@@ -96,18 +100,18 @@ FrameStats Renderer::draw(std::span<const scene::View> views, const Quality& qua
         prepareOverlay(eyes_[i], views[i], overlay != nullptr ? *overlay : Overlay{}, slot, index);
         recordCommands(eyes_[i], views[i], quality, outputs.empty() ? EyeOutput{} : outputs[i], slot, index);
     });
-    keptFrames_[slot].reset();
+    kept_[slot].reset();
     if (keepsNext_) {
-        keptFrames_[slot] = frames_;
-        keptPlaces_[slot].clear();
+        kept_[slot] = Kept{frames_, picture_, {}};
         for (const scene::View& view : views)
-            keptPlaces_[slot].push_back(view.worldFromEye.translation);
+            kept_[slot]->places.push_back(view.worldFromEye.translation);
     }
     keepsNext_ = false;
     timed(stats.cpu, "submit", kWholeFrame,
           [&] { streams_.submit(slot, isOnePass_ ? EyeQueues::first : EyeQueues::own); });
 
     stats.isOnePass = isOnePass_;
+    stats.picture = picture_;
     for (std::size_t i = 0; i < eyes_.size(); ++i) {
         const Eye& eye = eyes_[i];
         stats.cpu.insert(stats.cpu.end(), eye.times.begin(), eye.times.end());
@@ -128,13 +132,15 @@ FrameStats Renderer::draw(std::span<const scene::View> views, const Quality& qua
     return stats;
 }
 
-void Renderer::chooseResolution(const Quality& quality) {
+void Renderer::chooseResolution(const Quality& quality, bool hasLabels) {
     assert(quality.resolutionScale >= kMinResolutionScale && quality.resolutionScale <= kMaxResolutionScale);
     const int width = scaledSide(width_, quality.resolutionScale),
               height = scaledSide(height_, quality.resolutionScale);
     // Room for the eye's own size at least: whoever trades resolution for speed changes it again and again.
     const int roomWidth = std::max(width, width_), roomHeight = std::max(height, height_);
-    const bool isScaled = width != width_ || height != height_;
+    const bool isLeftSmall = letsDisplayEnlarge_ && !hasLabels && width <= width_ && height <= height_;
+    picture_ = isLeftSmall ? PictureSize{width, height} : PictureSize{width_, height_};
+    const bool isScaled = width != picture_.width || height != picture_.height;
     chooseEdgeSamples(quality);
     for (Eye& eye : eyes_) {
         eye.isScaled = isScaled, eye.warpWidth = width, eye.warpHeight = height;
@@ -251,7 +257,8 @@ void Renderer::prepareOverlay(Eye& eye, const scene::View& view, const Overlay& 
         return;
     }
     timed(eye.times, "overlay", index, [&] {
-        listOverlay(overlay, view, eye.overlay);
+        const scene::View seen{scene::resized(view.camera, picture_.width, picture_.height), view.worldFromEye};
+        listOverlay(overlay, seen, eye.overlay, static_cast<double>(picture_.width) / width_);
         if (eye.overlay.bins.empty()) return;
         OverlayBuffers& buffers = eye.overlayBuffers[slot];
         if (buffers.set == VK_NULL_HANDLE) buffers = makeOverlayBuffers(device_, overlay_, width_, height_);
@@ -305,7 +312,8 @@ void Renderer::recordCommands(Eye& eye, const scene::View& view, const Quality& 
 
         if (eye.isScaled) {
             record(commands, kBetweenPictures);
-            recordRescale(commands, rescale_, *eye.scaled, eye.warpWidth, eye.warpHeight, width_, height_);
+            recordRescale(commands, rescale_, *eye.scaled, eye.warpWidth, eye.warpHeight, picture_.width,
+                          picture_.height);
             record(commands, kAfterResolve);
             timer.mark(commands, "rescale");
         }
@@ -318,11 +326,11 @@ void Renderer::recordCommands(Eye& eye, const scene::View& view, const Quality& 
         }
 
         if (keepsNext_) recordKeeping(commands, eye, slot);
-        if (output.image != VK_NULL_HANDLE) recordOutput(commands, eye.target, width_, height_, output);
+        if (output.image != VK_NULL_HANDLE) recordOutput(commands, eye.target, picture_, {width_, height_}, output);
         if (output.depth != VK_NULL_HANDLE) {
             if (!eye.depth) eye.depth = makeDepthBuffers(device_, depthPass_, eye.target);
-            recordDepth(commands, depthPass_, *eye.depth, width_, height_, output.nearMetres);
-            recordDepthOutput(commands, eye.depth->nearOverDepth.handle(), width_, height_, output);
+            recordDepth(commands, depthPass_, *eye.depth, picture_.width, picture_.height, output.nearMetres);
+            recordDepthOutput(commands, eye.depth->nearOverDepth.handle(), picture_, {width_, height_}, output);
             timer.mark(commands, "depth");
         }
     });
@@ -365,8 +373,8 @@ void Renderer::recordKeeping(VkCommandBuffer commands, Eye& eye, std::size_t slo
     const Buffer& colours = eye.target.colours;
     if (eye.kept[slot].handle() == VK_NULL_HANDLE)
         eye.kept[slot] = Buffer(device_, colours.size(), VK_BUFFER_USAGE_TRANSFER_DST_BIT, MemoryUse::hostReads);
-    const VkBufferCopy whole{0, 0, colours.size()};
-    vkCmdCopyBuffer(commands, colours.handle(), eye.kept[slot].handle(), 1, &whole);
+    const VkBufferCopy picture{0, 0, pixelsOf(picture_) * sizeof(std::uint32_t)};
+    vkCmdCopyBuffer(commands, colours.handle(), eye.kept[slot].handle(), 1, &picture);
     record(commands, kAfterKeeping);
 }
 
@@ -387,20 +395,21 @@ FrameStats Renderer::finish() {
 
 bool Renderer::takeKept(FramePictures& pictures) {
     std::optional<std::size_t> newest;
-    for (std::size_t slot = 0; slot < keptFrames_.size(); ++slot)
-        if (keptFrames_[slot] && (!newest || *keptFrames_[slot] > *keptFrames_[*newest]) && streams_.isDone(slot))
+    for (std::size_t slot = 0; slot < kept_.size(); ++slot)
+        if (kept_[slot] && (!newest || kept_[slot]->frame > kept_[*newest]->frame) && streams_.isDone(slot))
             newest = slot;
     if (!newest) return false;
-    pictures.frame = *keptFrames_[*newest];
-    pictures.places = keptPlaces_[*newest];
-    pictures.width = width_, pictures.height = height_;
+    const Kept& kept = *kept_[*newest];
+    pictures.frame = kept.frame;
+    pictures.places = kept.places;
+    pictures.width = kept.size.width, pictures.height = kept.size.height;
     pictures.eyes.resize(eyes_.size());
     for (std::size_t i = 0; i < eyes_.size(); ++i) {
-        const auto pixels = eyes_[i].kept[*newest].as<const std::uint32_t>();
+        const auto pixels = eyes_[i].kept[*newest].as<const std::uint32_t>().first(pixelsOf(kept.size));
         pictures.eyes[i].assign(pixels.begin(), pixels.end());
     }
-    for (std::optional<std::uint64_t>& frame : keptFrames_)
-        if (frame && *frame <= pictures.frame) frame.reset();
+    for (std::optional<Kept>& other : kept_)
+        if (other && other->frame <= pictures.frame) other.reset();
     return true;
 }
 
@@ -409,7 +418,7 @@ std::vector<EyeImage> Renderer::readBack() {
     streams_.wait((frames_ - 1) % kFramesInFlight);
     std::vector<EyeImage> images;
     for (const Eye& eye : eyes_)
-        images.push_back(render::readBack(eye.target, width_, height_));
+        images.push_back(render::readBack(eye.target, last_.picture.width, last_.picture.height));
     return images;
 }
 

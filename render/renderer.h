@@ -45,6 +45,7 @@ struct FrameStats {
                                ///< gpuFrame, empty while none has finished
     std::uint64_t gpuFrame = 0;
     bool isOnePass = false; ///< the eyes were warped together; their warp is a step of both
+    PictureSize picture;    ///< of what the eyes were given: the renderer's, or less (Renderer::letDisplayEnlarge)
     std::array<EyeCounts, kMaxEyes> eyes{};
 };
 
@@ -72,6 +73,11 @@ class Renderer {
     int width() const { return width_; }
     int height() const { return height_; }
     int eyes() const { return static_cast<int>(eyes_.size()); }
+
+    /// Pictures that are warped at less than the full resolution are left so, in the first rows and columns of what the
+    /// eyes are given: displays enlarge what they show anyway. Except where there are labels: text is read at the full
+    /// resolution. Off at first.
+    void letDisplayEnlarge(bool lets) { letsDisplayEnlarge_ = lets; }
 
     /// The pictures of the next frame are kept for takeKept, at the price of a copy on the device.
     void keepNext() { keepsNext_ = true; }
@@ -108,7 +114,7 @@ class Renderer {
         OverlayList overlay{};
         std::array<OverlayBuffers, kFramesInFlight> overlayBuffers{}; ///< made when first wanted
     };
-    void chooseResolution(const Quality& quality);
+    void chooseResolution(const Quality& quality, bool hasLabels);
     void chooseEdgeSamples(const Quality& quality);
     /// What is warped into has room for so many pixels a side.
     void makeTargets(Eye& eye, const Quality& quality, int roomWidth, int roomHeight);
@@ -131,6 +137,8 @@ class Renderer {
     const Device& device_;
     const GpuScene& scene_;
     int width_, height_;
+    bool letsDisplayEnlarge_ = false;
+    PictureSize picture_{width_, height_}; ///< of this frame
     DescriptorSetLayout eyeLayout_;
     WarpPasses warps_;
     OcclusionPass occlusion_;
@@ -150,8 +158,12 @@ class Renderer {
     bool isOnePass_ = false;   ///< in this frame
     std::uint64_t frames_ = 0; ///< drawn so far
     bool keepsNext_ = false;
-    std::array<std::optional<std::uint64_t>, kFramesInFlight> keptFrames_; ///< by slot; not taken yet
-    std::array<std::vector<glm::dvec3>, kFramesInFlight> keptPlaces_;      ///< of the eyes in them, world
+    struct Kept {
+        std::uint64_t frame = 0;
+        PictureSize size;
+        std::vector<glm::dvec3> places; ///< of the eyes, world
+    };
+    std::array<std::optional<Kept>, kFramesInFlight> kept_; ///< by slot; not taken yet
     FrameStats last_;
     CommandStreams streams_; ///< goes first: it waits for the device
 };

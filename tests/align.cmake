@@ -21,7 +21,7 @@ revisit_test(revisit_joint_images_tests WHOLE LABELS unit TIMEOUT 300 LINKS scen
 revisit_test(revisit_photographs_tests LABELS scenes TIMEOUT 300 WHOLE LINKS scene_capture scene_project TBB::tbb
     SOURCES scene/align/colour_to_range_test.cpp scene/project/planar_projection_test.cpp)
 
-# How exact and how sure registration is, over many seeds (docs/performance.md); run by hand, for minutes.
+# How exact and how sure registration is, over many seeds (docs/building.md); run by hand, for minutes.
 add_executable(revisit_registration_study bench/registration_study.cpp)
 target_include_directories(revisit_registration_study PRIVATE ${CMAKE_SOURCE_DIR})
 target_link_libraries(revisit_registration_study PRIVATE revisit_flags scene_align scene_capture
@@ -33,7 +33,7 @@ target_include_directories(revisit_calibration_study PRIVATE ${CMAKE_SOURCE_DIR}
 target_link_libraries(revisit_calibration_study PRIVATE revisit_flags scene_align scene_capture
     nlohmann_json::nlohmann_json)
 
-# The same of photographs against their scans (docs/performance.md).
+# The same of photographs against their scans (docs/building.md).
 add_executable(revisit_colour_study bench/colour_study.cpp)
 target_include_directories(revisit_colour_study PRIVATE ${CMAKE_SOURCE_DIR})
 target_include_directories(revisit_colour_study SYSTEM PRIVATE ${OpenCV_INCLUDE_DIRS})

@@ -8,7 +8,7 @@ revisit_test(revisit_next_scan_tests LABELS scenes TIMEOUT 600 LINKS scene scene
 revisit_bench(revisit_plan_bench LINKS scene_plan CGAL::CGAL SOURCES bench/plan_bench.cpp)
 
 # Where positions stand and what is then unknown, what scenes built there are measured against, and the article's own
-# set-up (docs/performance.md); run by hand, for minutes.
+# set-up (docs/building.md, docs/performance.md); run by hand, for minutes.
 add_library(revisit_captured_cube STATIC bench/captured_cube.cpp)
 target_include_directories(revisit_captured_cube PUBLIC ${CMAKE_SOURCE_DIR})
 target_link_libraries(revisit_captured_cube PUBLIC scene_capture scene_refine PRIVATE revisit_flags)

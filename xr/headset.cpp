@@ -252,7 +252,7 @@ Frame Headset::beginFrame() {
     displayTime_ = state.predictedDisplayTime;
     if (firstTime_ == 0) firstTime_ = displayTime_;
     if (!state.shouldRender) {
-        endFrame(false);
+        endFrame(nullptr);
         return frame;
     }
     colour_->acquire();
@@ -328,28 +328,28 @@ void Headset::keep(const XrViewState& state, const std::array<XrView, kEyes>& vi
     }
 }
 
-void Headset::end(const Frame&) {
+void Headset::end(const Frame& frame) {
     try {
         colour_->release();
         if (depth_ != nullptr) depth_->release();
-        endFrame(true);
+        endFrame(&frame);
     } catch (const Lost&) {
         isLost_ = true; // the next begin says so
     }
 }
 
-void Headset::endFrame(bool withLayer) {
+void Headset::endFrame(const Frame* frame) {
     std::array<XrCompositionLayerProjectionView, kEyes> views{};
     std::array<XrCompositionLayerDepthInfoKHR, kEyes> depths{};
-    for (std::uint32_t eye = 0; eye < kEyes; ++eye) {
+    for (std::uint32_t eye = 0; eye < kEyes && frame != nullptr; ++eye) {
         views[eye].type = XR_TYPE_COMPOSITION_LAYER_PROJECTION_VIEW;
         views[eye].pose = views_[eye].pose;
         views[eye].fov = views_[eye].fov;
-        views[eye].subImage = colour_->subImage(eye);
+        views[eye].subImage = colour_->subImage(eye, frame->pictureWidth, frame->pictureHeight);
         if (depth_ == nullptr) continue;
         // 0 in the image is infinitely far, 1 is near.
         depths[eye].type = XR_TYPE_COMPOSITION_LAYER_DEPTH_INFO_KHR;
-        depths[eye].subImage = depth_->subImage(eye);
+        depths[eye].subImage = depth_->subImage(eye, frame->pictureWidth, frame->pictureHeight);
         depths[eye].minDepth = 0;
         depths[eye].maxDepth = 1;
         depths[eye].nearZ = std::numeric_limits<float>::infinity(); // of minDepth
@@ -366,7 +366,7 @@ void Headset::endFrame(bool withLayer) {
     info.type = XR_TYPE_FRAME_END_INFO;
     info.displayTime = displayTime_;
     info.environmentBlendMode = XR_ENVIRONMENT_BLEND_MODE_OPAQUE;
-    info.layerCount = withLayer ? 1 : 0;
+    info.layerCount = frame != nullptr ? 1 : 0;
     info.layers = &header;
     check(xrEndFrame(session_, &info), "xrEndFrame");
 }

@@ -66,7 +66,8 @@ class Headset final : public ViewSource {
     bool handleEvents();
     bool handle(const XrEventDataBuffer& event);
     bool follow(XrSessionState state);
-    void endFrame(bool withLayer);
+    /// frame: what is shown; null: nothing.
+    void endFrame(const Frame* frame);
     void locate(Frame& frame);
     /// What is not known stays as it was last.
     void keep(const XrViewState& state, const std::array<XrView, kEyes>& views, const XrSpaceLocation& head);

@@ -81,8 +81,8 @@ VkImage Swapchain::image(std::size_t eye) const {
     return chain.images[chain.acquired];
 }
 
-XrSwapchainSubImage Swapchain::subImage(std::size_t eye) const {
-    return {chainOf(eye).handle, {{0, 0}, {width_, height_}}, layer(eye)};
+XrSwapchainSubImage Swapchain::subImage(std::size_t eye, int width, int height) const {
+    return {chainOf(eye).handle, {{0, 0}, {width > 0 ? width : width_, height > 0 ? height : height_}}, layer(eye)};
 }
 
 } // namespace xr

@@ -25,8 +25,8 @@ class Swapchain {
     /// Of the eye's images, the one acquired last.
     VkImage image(std::size_t eye) const;
     std::uint32_t layer(std::size_t eye) const { return chains_.size() == 1 ? static_cast<std::uint32_t>(eye) : 0; }
-    /// Where the runtime finds what was released last.
-    XrSwapchainSubImage subImage(std::size_t eye) const;
+    /// Where the runtime finds what was released last: so many rows and columns, the first ones; 0: all.
+    XrSwapchainSubImage subImage(std::size_t eye, int width, int height) const;
     bool hasLayers() const { return chains_.size() == 1; }
 
   private:

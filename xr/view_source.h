@@ -39,6 +39,8 @@ struct Frame {
     scene::Pose trackingFromHead;
     std::array<scene::View, kEyes> eyes; ///< worldFromEye is trackingFromEye here; left, right
     std::array<EyeImage, kEyes> images{};
+    /// For end(): of what was drawn, in the images' first rows and columns; 0: all of them.
+    int pictureWidth = 0, pictureHeight = 0;
     bool isTracked = true;     ///< false: the poses are the last ones known, or in part
     bool wasRecentred = false; ///< the wearer moved the tracking space: the poses jump
 };

@@ -28,7 +28,7 @@ constexpr std::size_t kLeastPlanes = 6;
 constexpr int kPanoramaRows = 180;
 /// What samples do not tell of the mirror's distance. Range along glancing surfaces is no straight line within a
 /// position of the encoder: 2 mm. And noise has a say in what counts as part of a plane: found 4 to 6 mm too great
-/// where samples leave planes by 15 mm (docs/performance.md).
+/// where samples leave planes by 15 mm (docs/building.md).
 constexpr double kSystematicMetres = 0.002, kSystematicOfNoise = 0.3;
 /// Metres; none at all would be believed too much. And of how many patches both faces say how uneven a plane is.
 constexpr double kLeastUneven = 0.0001, kUsuallyUneven = 0.001;

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <random>
@@ -84,6 +85,28 @@ TEST(Governor, SingleLateFramesAreForgiven) {
     EXPECT_TRUE(spikes.governor.changes().empty()) << "two of seven are not three of five";
 }
 
+TEST(Governor, OneLateFrameInFiftyIsTooMany) {
+    // Everything else is in time by far, and three of five are never late.
+    const auto seldom = [](int every, double late) {
+        return [=](int frame) { return frame % every == every - 1 ? late : 7.0; };
+    };
+    const int minute = 6000;
+    const Ride fiftieth = ride({.load = seldom(50, 12)}, 10 * minute);
+    EXPECT_LT(lateFrames(fiftieth, 10), 0.005 * 10 * minute);
+    EXPECT_EQ(fiftieth.rungs.back(), 2) << "12 ms * 0.7 leaves a tenth, 12 ms * 0.85 does not";
+
+    const Ride hundredAndFiftieth = ride({.load = seldom(150, 14)}, minute);
+    EXPECT_TRUE(hundredAndFiftieth.governor.changes().empty()) << "less than one in a hundred is forgiven";
+    const Ride stalls = ride({.load = seldom(50, 21)}, minute);
+    EXPECT_TRUE(stalls.governor.changes().empty()) << "no rung mends what the machine does meanwhile";
+    // Where no rung is in time, and where seldom comes to an end.
+    const Ride twice = ride({.load = seldom(50, 19.9), .costs = {1, 0.99, 0.98, 0.97, 0.96, 0.95, 0.94}}, minute);
+    EXPECT_EQ(*std::max_element(twice.rungs.begin(), twice.rungs.end()), static_cast<int>(kCosts.size()) - 1);
+    const Ride ending =
+        ride({.load = [&](int frame) { return frame < minute ? seldom(50, 14)(frame) : 7.0; }}, 3 * minute);
+    EXPECT_EQ(ending.rungs.back(), 0);
+}
+
 TEST(Governor, DoesNotSwingBetweenTwoRungs) {
     // On every load, noise of 10 % included, and even where the real costs are not those it was told.
     for (const double wrong : {0.7, 1.0, 1.4})
@@ -108,6 +131,34 @@ TEST(Governor, FollowsALoadThatComesAndGoes) {
     const Ride walk = ride({.load = [](int frame) { return 9 + 6 * std::sin(frame / 300.0); }}, 20000);
     EXPECT_LT(lateFrames(walk, 10), 0.02 * 20000);
     EXPECT_GT(walk.governor.frames()[0], 20000 / 4u) << "quality must come back each time";
+}
+
+/// Where samples are what takes time, fewer pixels save nothing until coarser samples come with them.
+const std::vector<double> kSamplesCount{1, 1.1, 1.05, 1.05, 0.5, 0.3, 0.2};
+
+TEST(Governor, FallsTwiceAsFarWhereAFallDidNotHelp) {
+    const Ride heavy = ride({.load = [](int) { return 10.5; }, .costs = kSamplesCount}, 100);
+    // One rung by the guess, then two, then four; four frames each until that is known.
+    EXPECT_EQ(lateFrames(heavy, 10), 3 * 4);
+    EXPECT_LE(heavy.took.back(), 10 * 0.9);
+}
+
+TEST(Governor, RemembersForAWhileWhatAClimbCostInVain) {
+    std::mt19937 random(12);
+    std::uniform_real_distribution<double> noise(0.95, 1.05);
+    const int minutes = 3, frames = minutes * 6000;
+    Ride calm = ride({.load = [&](int) { return 12 * noise(random); }, .costs = kSamplesCount}, frames);
+    EXPECT_LT(calm.governor.frames()[3], 40u) << "it takes 12.6 ms there and not 7.2, as was guessed";
+    EXPECT_GT(calm.governor.frames()[4], frames * 0.95) << "the best rung that holds the rate";
+    EXPECT_LT(lateFrames(calm, 10), 0.005 * frames);
+    // Then it is pixels that take time, as was guessed.
+    const Ride after = ride({.load = [](int) { return 10.2; }}, frames, std::move(calm.governor));
+    EXPECT_EQ(after.rungs.back(), 2) << "10.2 ms * 0.7 leaves room, 10.2 ms * 0.85 does not";
+}
+
+TEST(Governor, CountsTheFramesThatTookMoreThanTheBudget) {
+    const Ride walk = ride({.load = [](int frame) { return frame % 150 == 149 ? 10.1 : 8.0; }, .lag = 1}, 1001);
+    EXPECT_EQ(walk.governor.overBudget(), 6u);
 }
 
 TEST(Governor, DoesNotListenToFramesOfBeforeTheChange) {

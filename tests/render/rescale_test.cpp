@@ -1,10 +1,13 @@
 // Pictures that are drawn at another resolution than the eye's.
 
+#include "render/images.h"
 #include "render/post/rescale.h"
 #include "render/shaders/shared/rescale.h"
 #include "tests/render/test_device.h"
 #include "tests/render/test_scenes.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <random>
 
@@ -126,6 +129,87 @@ TEST_F(RescaleTest, TheScaleMayChangeFromFrameToFrame) {
         const std::vector<EyeImage> drawn = renderer.readBack();
         EXPECT_TRUE(isSame(drawn[0], drawOnce(scene_, views[0], quality))) << quality.resolutionScale;
         EXPECT_TRUE(isSame(drawn[1], drawn[0]));
+    }
+}
+
+TEST_F(RescaleTest, SmallPicturesAreLeftAsTheyAreWhereTheDisplayEnlarges) {
+    Renderer renderer(testDevice(), scene_, 160, 120, 2);
+    const std::array views{eyeOf(160, 120), eyeOf(160, 120)};
+    for (const auto& [scale, width, height] :
+         {std::tuple{1.0, 160, 120}, {0.5, 80, 60}, {0.37, 59, 44}, {1.5, 160, 120}, {0.7, 112, 84}})
+        for (const bool isLetTo : {true, false}) {
+            Quality quality{.warp = Warp::points};
+            renderer.letDisplayEnlarge(isLetTo);
+            const EyeImage other = drawOnce(scene_, eyeOf(width, height), quality);
+            quality.resolutionScale = scale;
+            renderer.keepNext();
+            const PictureSize size = renderer.draw(views, quality).picture;
+            EXPECT_EQ(size.width, isLetTo ? width : 160) << scale;
+            EXPECT_EQ(size.height, isLetTo ? height : 120) << scale;
+            const EyeImage drawn = renderer.readBack()[1];
+            const bool isSmall = isLetTo && scale < 1;
+            EXPECT_TRUE(isSame(drawn, isSmall ? other : drawOnce(scene_, views[1], quality))) << scale;
+            FramePictures kept;
+            ASSERT_TRUE(renderer.takeKept(kept));
+            EXPECT_EQ(kept.width, size.width);
+            EXPECT_EQ(kept.height, size.height);
+            ASSERT_EQ(kept.eyes[1].size(), drawn.colour.size());
+            for (std::size_t i = 0; i < drawn.colour.size(); ++i)
+                ASSERT_EQ(kept.eyes[1][i] & 0xffu, drawn.colour.pixels()[i].r) << i;
+        }
+}
+
+TEST_F(RescaleTest, WhatIsWrittenOverThePictureIsEnlargedBeforeThat) {
+    Renderer renderer(testDevice(), scene_, 160, 120, 1);
+    renderer.letDisplayEnlarge(true);
+    const std::array views{eyeOf(160, 120)};
+    Quality quality{.warp = Warp::points};
+    quality.resolutionScale = 0.5;
+    Overlay overlay;
+    overlay.labels.push_back({.at = views[0].worldFromEye * glm::dvec3(0, 0, 0.5), .text = "A", .colour = {}});
+    EXPECT_EQ(renderer.draw(views, quality, {}, &overlay).picture.width, 160);
+
+    // A line is as wide as it would be, enlarged.
+    Overlay line;
+    line.segments.push_back({.a = views[0].worldFromEye * glm::dvec3(-0.2, 0, 0.5),
+                             .b = views[0].worldFromEye * glm::dvec3(0.2, 0, 0.5),
+                             .colour = {0, 255, 0},
+                             .widthPixels = 8});
+    EXPECT_EQ(renderer.draw(views, quality, {}, &line).picture.width, 80);
+    const EyeImage drawn = renderer.readBack()[0];
+    int high = 0;
+    for (int y = 0; y < 60; ++y)
+        if (drawn.colour(40, y) == scene::Rgb8{0, 255, 0}) ++high;
+    EXPECT_GE(high, 3);
+    EXPECT_LE(high, 5);
+}
+
+TEST_F(RescaleTest, TheEdgeOfASmallPictureGoesOnByAPixel) {
+    constexpr VkImageUsageFlags kCopied = VK_IMAGE_USAGE_TRANSFER_DST_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT;
+    const DeviceImage image = makeImage(testDevice(), 160, 120, VK_FORMAT_R8G8B8A8_UNORM,
+                                        kCopied | VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT, VK_IMAGE_ASPECT_COLOR_BIT);
+    const DeviceImage depth =
+        makeImage(testDevice(), 160, 120, VK_FORMAT_D32_SFLOAT, kCopied | VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT,
+                  VK_IMAGE_ASPECT_DEPTH_BIT);
+    const EyeOutput output{.image = image.image, .depth = depth.image, .nearMetres = 0.01f};
+    Renderer renderer(testDevice(), scene_, 160, 120, 1);
+    renderer.letDisplayEnlarge(true);
+    for (const auto& [scale, width, height] : {std::tuple{0.37, 59, 44}, {1.0, 160, 120}, {0.999, 160, 120}}) {
+        Quality quality{.warp = Warp::points};
+        quality.resolutionScale = scale;
+        renderer.draw(std::array{eyeOf(160, 120)}, quality, std::array{output});
+        const EyeImage own = renderer.readBack()[0];
+        ASSERT_EQ(own.colour.width(), width);
+        const int more = scale < 0.9 ? 1 : 0;
+        const auto given = readOutput(testDevice(), output, width + more, height + more);
+        const auto near = readDepthOutput(testDevice(), output, width + more, height + more);
+        for (int y = 0; y < height + more; ++y)
+            for (int x = 0; x < width + more; ++x) {
+                const int ownX = std::min(x, width - 1), ownY = std::min(y, height - 1);
+                ASSERT_EQ(given(x, y), own.colour(ownX, ownY)) << x << ", " << y;
+                const float z = own.depthMetres(ownX, ownY);
+                ASSERT_NEAR(near(x, y), z > 0 ? 0.01f / z : 0, 1e-6) << x << ", " << y;
+            }
     }
 }
 

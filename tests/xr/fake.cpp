@@ -30,6 +30,12 @@ int Fake::alive() const {
     return reinterpret_cast<int (*)()>(dlsym(library_, "fakeRuntimeAlive"))();
 }
 
+XrRect2Di Fake::shown() const {
+    XrRect2Di shown{};
+    reinterpret_cast<void (*)(XrRect2Di*)>(dlsym(library_, "fakeRuntimeShown"))(&shown);
+    return shown;
+}
+
 std::vector<std::string> Fake::around(const std::string& words, const std::vector<std::string>& command) const {
     std::vector<std::string> all{"/usr/bin/env",
                                  "-u",

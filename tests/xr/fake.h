@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include <openxr/openxr.h>
+
 namespace xr {
 
 /// Its manifest, for as long as this lives.
@@ -19,6 +21,8 @@ class Fake {
     static void tell(const std::string& words);
     /// Its objects in this process that were made and not destroyed.
     int alive() const;
+    /// Of the right eye's picture that it was handed last.
+    XrRect2Di shown() const;
 
     /// The command that runs another where this is the runtime, it is told those words, and there is no display.
     std::vector<std::string> around(const std::string& words, const std::vector<std::string>& command) const;

@@ -1,5 +1,6 @@
 // The headset in a runtime that refuses, loses and forgets.
 
+#include "render/post/rescale.h"
 #include "tests/xr/fake.h"
 #include "tests/xr/headset_rig.h"
 
@@ -41,7 +42,7 @@ TEST_F(FakeHeadset, TakesASwapchainForEachEyeWhereLayersAreRefused) {
     for (const char* words : {"", "no-arrays"}) {
         Fake::tell(words);
         HeadsetRig rig;
-        const std::optional<Frame> frame = rig.nextDrawn();
+        std::optional<Frame> frame = rig.nextDrawn();
         ASSERT_TRUE(frame);
         EXPECT_EQ(frame->images[0].image != frame->images[1].image, std::string(words) == "no-arrays");
         EXPECT_EQ(frame->images[1].layer, std::string(words) == "no-arrays" ? 0u : 1u);
@@ -57,11 +58,31 @@ TEST_F(FakeHeadset, IsGivenNoDepthWhereNoneIsTaken) {
     HeadsetRig rig;
     EXPECT_FALSE(rig.headset().takesDepth());
     EXPECT_FALSE(rig.headset().askForRate(90)) << "there is no choice";
-    const std::optional<Frame> frame = rig.nextDrawn();
+    std::optional<Frame> frame = rig.nextDrawn();
     ASSERT_TRUE(frame);
     rig.drawAndCheck(*frame);
     rig.headset().end(*frame);
     EXPECT_EQ(rig.headset().hiddenShareOf(0), 0);
+}
+
+TEST_F(FakeHeadset, IsToldHowMuchOfItsImagesWasDrawn) {
+    HeadsetRig rig;
+    for (const double scale : {1.0, 0.5, 0.37, 1.0}) {
+        std::optional<Frame> frame = rig.nextDrawn();
+        ASSERT_TRUE(frame);
+        rig.drawAndCheck(*frame, scale);
+        rig.headset().end(*frame);
+        const XrRect2Di shown = fake_.shown();
+        EXPECT_EQ(shown.offset.x, 0);
+        EXPECT_EQ(shown.offset.y, 0);
+        EXPECT_EQ(shown.extent.width, render::scaledSide(rig.headset().width(), scale));
+        EXPECT_EQ(shown.extent.height, render::scaledSide(rig.headset().height(), scale));
+    }
+    // Who says nothing of it has drawn all.
+    draw(rig);
+    EXPECT_EQ(fake_.shown().extent.width, rig.headset().width());
+    for (const std::string& message : rig.device().validationMessages())
+        ADD_FAILURE() << message;
 }
 
 TEST_F(FakeHeadset, KeepsTheLastPlaceWhileTheHeadIsNotTracked) {

@@ -57,6 +57,7 @@ struct State {
     std::deque<XrSessionState> states;
     bool hasRecentred = false;
     XrTime time = 1000000000;
+    XrRect2Di shown{}; ///< of the right eye's picture, in the last frame
 } state;
 
 bool says(const std::string& wanted) {
@@ -345,8 +346,11 @@ XrResult xrBeginFrame(XrSession, const XrFrameBeginInfo*) {
     return XR_SUCCESS;
 }
 
-XrResult xrEndFrame(XrSession, const XrFrameEndInfo*) {
+XrResult xrEndFrame(XrSession, const XrFrameEndInfo* info) {
     REVISIT_ASK;
+    if (info->layerCount > 0)
+        state.shown =
+            reinterpret_cast<const XrCompositionLayerProjection*>(info->layers[0])->views[1].subImage.imageRect;
     return XR_SUCCESS;
 }
 
@@ -482,6 +486,10 @@ __attribute__((visibility("default"))) XrResult xrNegotiateLoaderRuntimeInterfac
     request->runtimeApiVersion = XR_CURRENT_API_VERSION;
     request->getInstanceProcAddr = xrGetInstanceProcAddr;
     return XR_SUCCESS;
+}
+
+__attribute__((visibility("default"))) void fakeRuntimeShown(XrRect2Di* shown) {
+    *shown = state.shown;
 }
 
 __attribute__((visibility("default"))) int fakeRuntimeAlive() {

@@ -36,13 +36,15 @@ HeadsetRig::HeadsetRig() : runtime_(std::make_unique<Runtime>()) {
         *runtime_, VulkanHandles{device_->instance(), device_->physical(), *device_, device_->queueFamily()});
 }
 
-void HeadsetRig::drawAndCheck(const Frame& frame) {
+void HeadsetRig::drawAndCheck(Frame& frame, double scale) {
     constexpr int kFaceSize = 64;
     const render::CutScene room = render::roomFromWithin(kFaceSize);
-    const int width = headset_->width(), height = headset_->height();
     const auto blocks = room.blocks();
     const render::GpuScene scene(*device_, blocks);
-    render::Renderer renderer(*device_, scene, width, height, static_cast<int>(kEyes));
+    render::Renderer renderer(*device_, scene, headset_->width(), headset_->height(), static_cast<int>(kEyes));
+    renderer.letDisplayEnlarge(true);
+    render::Quality quality;
+    quality.resolutionScale = scale;
     std::array<render::EyeOutput, kEyes> outputs;
     for (std::size_t eye = 0; eye < kEyes; ++eye) {
         const EyeImage& image = frame.images[eye];
@@ -50,7 +52,10 @@ void HeadsetRig::drawAndCheck(const Frame& frame) {
         outputs[eye].depth = image.depth, outputs[eye].depthLayer = image.depthLayer;
         outputs[eye].nearMetres = static_cast<float>(kDepthNearMetres);
     }
-    renderer.draw(frame.eyes, {}, outputs);
+    const auto [width, height] = renderer.draw(frame.eyes, quality, outputs).picture;
+    frame.pictureWidth = width, frame.pictureHeight = height;
+    EXPECT_EQ(width, render::scaledSide(headset_->width(), scale));
+    EXPECT_EQ(height, render::scaledSide(headset_->height(), scale));
     const std::vector<render::EyeImage> own = renderer.readBack();
     EXPECT_NE(own[0].colour, own[1].colour) << "each eye has its own picture";
     for (std::size_t eye = 0; eye < kEyes; ++eye) {

@@ -23,9 +23,10 @@ class HeadsetRig {
     const render::Device& device() const { return *device_; }
     Headset& headset() { return *headset_; }
 
-    /// Draws a scene for the frame's eyes into the frame's images; checks there that colours are the eyes' own, and
-    /// depth theirs as near / z, where the runtime takes depth.
-    void drawAndCheck(const Frame& frame);
+    /// Draws a scene for the frame's eyes into the frame's images, with so many pixels along a side for one of theirs,
+    /// and says in the frame what was drawn; checks there that colours are the eyes' own, and depth theirs as near / z,
+    /// where the runtime takes depth.
+    void drawAndCheck(Frame& frame, double scale = 1);
 
     /// Skipped frames are waited for; none if the session ends or is lost before.
     std::optional<Frame> nextDrawn();

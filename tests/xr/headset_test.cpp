@@ -70,10 +70,10 @@ TEST_P(HeadsetIn, IsGivenColourAndDepth) {
     {
         HeadsetRig rig;
         EXPECT_TRUE(rig.headset().takesDepth());
-        for (int i = 0; i < 4; ++i) {
-            const std::optional<Frame> frame = rig.nextDrawn();
+        for (const double scale : {1.0, 0.5, 0.35, 1.0}) {
+            std::optional<Frame> frame = rig.nextDrawn();
             ASSERT_TRUE(frame);
-            rig.drawAndCheck(*frame);
+            rig.drawAndCheck(*frame, scale);
             rig.headset().end(*frame);
         }
         expectSilence(rig);
