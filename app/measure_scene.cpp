@@ -164,6 +164,7 @@ void time(const MeasureOptions& o, const std::vector<scene::Pose>& heads, const 
           std::vector<MeasuredSetting>& measured) {
     render::Renderer renderer(on.device, *on.scene.images, o.width, o.height, 2, on.scene.coverage.get(),
                               on.scene.polygons.get());
+    renderer.letDisplayEnlarge(true); // as in a headset
     std::vector<FrameReport> reports(measured.size());
     const scene::Camera camera = eyeCamera(o);
     const auto eyesAt = [&](const scene::Pose& head) {
