@@ -8,9 +8,11 @@ namespace scene {
 
 namespace {
 
-/// Share of a cell that is unseen if it is to count so whole. A surface in what is left of it stands so near the cell's
-/// face that it is not taken for hidden; and narrow gaps that images saw between unseen parts are not closed.
-constexpr float kMostlyUnseen = 0.75f;
+/// Share of a cell that is unseen if it is to count so whole. Less, and narrow gaps that images saw between unseen parts
+/// are closed. Where there is surface in it, it is for what little was not observed that the surface shall vanish: with
+/// less, large cells stand out of walls and floors that were seen; if surface always decided, what lies behind thin ones
+/// would be missed (docs/performance.md, "Coarser cells").
+constexpr float kMostlyUnseen = 0.75f, kUnseenBesideSurface = 0.9f;
 
 /// Of what is cut off.
 struct Content {
@@ -32,7 +34,7 @@ Content contentOf(const CoverageNode& node, const std::vector<Content>& below, s
 }
 
 Observed kindOf(const Content& content) {
-    if (content.unseen >= kMostlyUnseen) return Observed::unseen;
+    if (content.unseen >= (content.hasSurface ? kUnseenBesideSurface : kMostlyUnseen)) return Observed::unseen;
     return content.hasSurface ? Observed::surface : Observed::empty;
 }
 

@@ -95,8 +95,10 @@ Observed asOne(const std::vector<Observed>& kinds, int side, const std::array<in
         for (int y = first[1]; y < first[1] + edge; ++y)
             for (int x = first[0]; x < first[0] + edge; ++x)
                 ++count[static_cast<std::size_t>(kinds[static_cast<std::size_t>((z * side + y) * side + x)])];
-    if (4 * count[static_cast<std::size_t>(Observed::unseen)] >= 3 * edge * edge * edge) return Observed::unseen;
-    return count[static_cast<std::size_t>(Observed::surface)] > 0 ? Observed::surface : Observed::empty;
+    const bool hasSurface = count[static_cast<std::size_t>(Observed::surface)] > 0;
+    const double unseen = count[static_cast<std::size_t>(Observed::unseen)] / std::pow(edge, 3);
+    if (unseen >= (hasSurface ? 0.9 : 0.75)) return Observed::unseen;
+    return hasSurface ? Observed::surface : Observed::empty;
 }
 
 TEST(CoverageLevels, WhatIsCutOffIsOneCellOfItsOwnKind) {
