@@ -104,12 +104,17 @@ Observed asOne(const std::vector<Observed>& kinds, int side, const std::array<in
 TEST(CoverageLevels, WhatIsCutOffIsOneCellOfItsOwnKind) {
     constexpr int kSide = 256;
     Coverage whole = randomCoverage(11, 4, 0.4, 0.3);
-    // Some nodes without surfaces, so that it is a matter of more or less; of others all that is not surface unseen.
-    for (std::size_t i = 0; i < whole.nodes.size(); i += 2)
-        if (i % 4 == 0)
-            whole.nodes[i].surface = 0;
-        else
-            whole.nodes[i].unseen = ~(whole.nodes[i].surface | whole.nodes[i].children);
+    // Some nodes without surfaces, so that it is a matter of more or less; of others all that is not surface unseen, and
+    // of every other one of those there is little surface.
+    for (std::size_t i = 0; i < whole.nodes.size(); i += 2) {
+        CoverageNode& node = whole.nodes[i];
+        if (i % 4 == 0) {
+            node.surface = 0;
+            continue;
+        }
+        if (i % 8 == 2) node.surface &= whole.nodes[i - 1].surface;
+        node.unseen = ~(node.surface | node.children);
+    }
     ASSERT_EQ(levelsOf(whole), 4);
     const std::vector<Observed> fine = spreadOut(whole, kSide);
     for (const int levels : {1, 2, 3}) {
@@ -130,7 +135,8 @@ TEST(CoverageLevels, WhatIsCutOffIsOneCellOfItsOwnKind) {
                 }
         EXPECT_GT(changed[static_cast<std::size_t>(Observed::surface)], 0) << "or nothing was tested";
         if (levels == 3) {
-            EXPECT_GT(changed[static_cast<std::size_t>(Observed::unseen)], 100);
+            // A tenth at most of such a cell is not unseen; so is seldom the corner of it that is looked at.
+            EXPECT_GT(changed[static_cast<std::size_t>(Observed::unseen)], 20);
             EXPECT_GT(changed[static_cast<std::size_t>(Observed::empty)], 100);
         }
     }
