@@ -1,6 +1,5 @@
 #include "app/coverage_on_device.h"
 
-#include "render/check.h"
 #include "render/device.h"
 #include "render/post/coverage_texels.h"
 #include "scene/coverage_levels.h"
@@ -8,7 +7,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,61 +23,67 @@ std::string millimetresOf(double metres) {
     return text;
 }
 
-void sayIsEmptiness(const scene::Failure& why) {
+void sayIsEmptiness(const std::string& why) {
     std::fprintf(stderr, "revisit: what nobody saw is shown as emptiness: the device cannot hold it (%s)\n",
-                 why.what());
+                 why.c_str());
 }
 
-void sayIsCoarser(const scene::Coverage& coverage, int wished, int levels) {
-    std::fprintf(stderr, "revisit: what nobody saw is told by cells of %s instead of %s: there is no room for more\n",
-                 millimetresOf(scene::cellOfLevels(coverage, levels)).c_str(),
-                 millimetresOf(scene::cellOfLevels(coverage, wished)).c_str());
-}
-
-/// Of so many levels, or if there is no room, of as many as there is room for. wished: what was hoped for.
-std::unique_ptr<render::GpuCoverage> bring(const render::Device& device, const scene::Coverage& coverage, int wished,
-                                           int levels) {
-    while (true) {
-        std::optional<scene::Failure> failure;
-        try {
-            auto brought = levels < scene::levelsOf(coverage)
-                               ? std::make_unique<render::GpuCoverage>(device, scene::coarsened(coverage, levels))
-                               : std::make_unique<render::GpuCoverage>(device, coverage);
-            if (levels < wished) sayIsCoarser(coverage, wished, levels);
-            return brought;
-        } catch (const render::DeviceLost&) {
-            throw;
-        } catch (const scene::Failure& why) {
-            failure = why;
-        }
-        if (levels <= kFewestLevels) {
-            sayIsEmptiness(*failure);
-            return nullptr;
-        }
-        --levels;
-    }
+void sayIsCoarser(const scene::Coverage& coverage, const CoverageForm& form) {
+    std::fprintf(stderr, "revisit: what nobody saw is told by cells of %s instead of %s (%s)\n",
+                 millimetresOf(scene::cellOfLevels(coverage, form.levels)).c_str(),
+                 millimetresOf(scene::cellOfLevels(coverage, form.wished)).c_str(), form.why.c_str());
 }
 
 } // namespace
 
-CoverageForm formOf(const scene::Coverage& coverage, const render::Device& device, const CoverageWish& wish) {
+CoverageForm formOf(const scene::Coverage& coverage, std::size_t mostTexels, const CoverageWish& wish) {
     const std::vector<std::size_t> texels = render::coverageTexelsByLevels(coverage);
     CoverageForm form{.wished = static_cast<int>(texels.size()) - 1};
     while (form.wished > 1 && scene::cellOfLevels(coverage, form.wished) < wish.leastCellMetres)
         --form.wished;
-    const std::size_t most =
-        std::min<std::size_t>(wish.mostBytes / sizeof(render::CoverageTexel), device.limits().maxTexelBufferElements);
+    const std::size_t share = wish.mostBytes / sizeof(render::CoverageTexel), most = std::min(share, mostTexels);
     const auto texelsNow = [&] { return texels[static_cast<std::size_t>(form.levels)]; };
     form.levels = form.wished;
     while (form.levels > kFewestLevels && texelsNow() > most)
         --form.levels;
     form.bytes = texelsNow() * sizeof(render::CoverageTexel);
+    if (form.levels < form.wished)
+        form.why = mostTexels < share ? "the device's shaders read no larger buffer" : wish.whyNoMore;
     return form;
 }
 
 std::unique_ptr<render::GpuCoverage> bringCoverage(const render::Device& device, const scene::Coverage& coverage,
                                                    const CoverageForm& form) {
-    return bring(device, coverage, form.wished, form.levels);
+    for (CoverageForm now = form;; --now.levels) {
+        try {
+            auto brought = now.levels < scene::levelsOf(coverage)
+                               ? std::make_unique<render::GpuCoverage>(device, scene::coarsened(coverage, now.levels))
+                               : std::make_unique<render::GpuCoverage>(device, coverage);
+            if (now.levels < now.wished) sayIsCoarser(coverage, now);
+            return brought;
+        } catch (const render::DeviceLost&) {
+            throw;
+        } catch (const scene::Failure& failure) {
+            now.why = failure.what();
+        }
+        if (now.levels <= kFewestLevels) {
+            sayIsEmptiness(now.why);
+            return nullptr;
+        }
+    }
+}
+
+bool giveUpFinest(const render::Device& device, const scene::Scene& scene,
+                  std::unique_ptr<render::GpuCoverage>& onDevice, const render::OutOfMemory& failure) {
+    if (onDevice == nullptr) return false;
+    const int levels = onDevice->levels();
+    onDevice.reset();
+    if (levels > kFewestLevels)
+        onDevice =
+            bringCoverage(device, *scene.coverage, {.wished = levels, .levels = levels - 1, .why = failure.what()});
+    else
+        sayIsEmptiness(failure.what());
+    return true;
 }
 
 void makeBeside(const render::Device& device, const scene::Scene& scene, std::unique_ptr<render::GpuCoverage>& onDevice,
@@ -88,13 +92,7 @@ void makeBeside(const render::Device& device, const scene::Scene& scene, std::un
         try {
             return make();
         } catch (const render::OutOfMemory& failure) {
-            if (onDevice == nullptr) throw;
-            const int levels = onDevice->levels();
-            onDevice.reset();
-            if (levels > kFewestLevels)
-                onDevice = bring(device, *scene.coverage, levels, levels - 1);
-            else
-                sayIsEmptiness(failure);
+            if (!giveUpFinest(device, scene, onDevice, failure)) throw;
         }
     }
 }

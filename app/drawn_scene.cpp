@@ -32,17 +32,33 @@ DeviceScene bringTo(const render::Device& device, const DrawnScene& drawn) {
     // Coverage and images take what is left; pictures, z-buffers and what a headset's runtime needs have their place
     // beside them.
     render::SceneMemory memory = drawn.memory;
-    memory.budgetBytes = std::min(memory.budgetBytes, device.roomBytes() / 4 * 3);
-    std::optional<CoverageForm> form;
-    if (drawn.mayShowUnseen && drawn.scene.coverage) {
-        const std::size_t share = memory.budgetBytes / 4;
-        form = formOf(*drawn.scene.coverage, device,
-                      {.leastCellMetres = drawn.leastCoverageCellMetres, .mostBytes = share});
-        // Its coarsest form may be more than that; images shall not have to go for it.
-        memory.budgetBytes -= std::min(form->bytes, share);
+    const std::size_t room = device.roomBytes() / 4 * 3;
+    const bool isAsAsked = memory.budgetBytes <= room;
+    memory.budgetBytes = std::min(memory.budgetBytes, room);
+    if (!drawn.mayShowUnseen || !drawn.scene.coverage) {
+        brought.images = std::make_unique<render::GpuScene>(device, drawn.scene.blocks, memory);
+        return brought;
     }
-    brought.images = std::make_unique<render::GpuScene>(device, drawn.scene.blocks, memory);
-    if (form) brought.coverage = bringCoverage(device, *drawn.scene.coverage, *form);
+    CoverageWish wish{.leastCellMetres = drawn.leastCoverageCellMetres,
+                      .mostBytes = memory.budgetBytes / 4,
+                      .whyNoMore = isAsAsked ? "it may take a quarter of --memory"
+                                             : "it may take a quarter of what the device has free for the scene"};
+    const std::size_t mostTexels = device.limits().maxTexelBufferElements;
+    CoverageForm form = formOf(*drawn.scene.coverage, mostTexels, wish);
+    while (brought.images == nullptr) {
+        // Its coarsest form may be more than its share. Images shall not have to go for it.
+        const std::size_t reserved = std::min(form.bytes, wish.mostBytes);
+        try {
+            brought.images = std::make_unique<render::GpuScene>(
+                device, drawn.scene.blocks,
+                render::SceneMemory{memory.budgetBytes - reserved, memory.pageBytes, memory.isStaged});
+        } catch (const render::OutOfMemory& failure) {
+            if (reserved == 0) throw;
+            wish.mostBytes = 0, wish.whyNoMore = failure.what();
+            form = formOf(*drawn.scene.coverage, mostTexels, wish);
+        }
+    }
+    brought.coverage = bringCoverage(device, *drawn.scene.coverage, form);
     return brought;
 }
 

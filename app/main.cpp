@@ -5,6 +5,7 @@
 #include "app/info.h"
 #include "app/measure_scene.h"
 #include "app/plan_scene.h"
+#include "app/real_range.h"
 #include "app/render_scene.h"
 #include "app/sizes.h"
 #include "app/version.h"
@@ -54,7 +55,7 @@ void addCapture(CLI::App& build, app::BuildOptions& options) {
         ->type_name("X Y Z")
         ->group(group);
     const auto addStrength = [&](const std::string& name, double& strength, const std::string& what) {
-        build.add_option(name, strength, what)->check(CLI::Range(0.0, 100.0))->capture_default_str()->group(group);
+        build.add_option(name, strength, what)->check(app::realRange(0.0, 100.0))->capture_default_str()->group(group);
     };
     addStrength("--sun", light.sunStrength, "times the sun's usual strength; 0: none");
     addStrength("--sky", light.skyStrength, "times the sky's");
@@ -86,24 +87,24 @@ void addBuild(CLI::App& program, app::BuildOptions& options, std::string& memory
     build
         ->add_option("--cull-preference", options.redundancy.preference,
                      "how much better sampled a tile must be to be preferred to one of a more central image")
-        ->check(CLI::Range(1.0, 1e6))
+        ->check(app::realRange(1.0, 1e6))
         ->capture_default_str();
     build
         ->add_option("--cull-baseline", options.redundancy.baselineShare,
                      "threshold of redundancy: a surface is kept again where no kept image stands nearer than this "
                      "share of its range; "
                      "0 keeps each surface once")
-        ->check(CLI::Range(0.0, 10.0))
+        ->check(app::realRange(0.0, 10.0))
         ->capture_default_str();
     build
         ->add_option("--cull-patch", options.redundancy.minPatchShare,
                      "a tile is kept again, whole, where at least this share of it is wanted")
-        ->check(CLI::Range(0.0, 1.0))
+        ->check(app::realRange(0.0, 1.0))
         ->capture_default_str();
     build
         ->add_option("--same-surface", options.skins.comparison.sameSurface,
                      "relative difference in depth up to which two images mean the same surface")
-        ->check(CLI::Range(1e-5, 0.5))
+        ->check(app::realRange(1e-5, 0.5))
         ->capture_default_str();
     build
         ->add_option("--guess-radius", options.guesses.radius,
@@ -118,7 +119,7 @@ void addBuild(CLI::App& program, app::BuildOptions& options, std::string& memory
     build
         ->add_option("--mesh-tolerance", options.pyramid.facetTolerance,
                      "share of depth by which the adaptive mesh may leave the samples")
-        ->check(CLI::Range(0.0, 0.1))
+        ->check(app::realRange(0.0, 0.1))
         ->capture_default_str();
     build->add_option("--tile-size", options.pyramid.tileSize, "samples along the side of a tile")
         ->check(CLI::Range(1, scene::kMaxTileSize))
@@ -189,11 +190,11 @@ void addDrawOptions(CLI::App& command, app::DrawOptions& options) {
         .add_option("--coverage-cell", options.coverageCellMetres,
                     "tell unseen space by cells of this many metres at least, e.g. 0.02: less exact, faster, less "
                     "memory; 0: as built")
-        ->check(CLI::Range(0.0, 100.0))
+        ->check(app::realRange(0.0, 100.0))
         ->capture_default_str()
         ->group(group);
     command.add_option("--ipd", options.eyeDistanceMetres, "metres between the eyes")
-        ->check(CLI::Range(0.0, 1.0))
+        ->check(app::realRange(0.0, 1.0))
         ->capture_default_str();
 }
 
@@ -243,7 +244,7 @@ void addWalk(CLI::App& program, app::WalkOptions& options, std::string& size, st
     walk->add_option("--rate", options.framesPerSecond,
                      "frames a second: along the path without a display (default 90); of a headset, the nearest it "
                      "offers")
-        ->check(CLI::Range(1.0, 1000.0));
+        ->check(app::realRange(1.0, 1000.0));
     walk->add_flag_callback(
         "--hold-rate", [&] { options.holdsRate = true; },
         "give up quality while --rate is not held; so it is anyway, except with --headless");
@@ -302,7 +303,7 @@ void addPlan(CLI::App& program, app::PlanOptions& options, int& threads) {
         ->check(CLI::Range(1, 100))
         ->capture_default_str();
     plan->add_option("--tripod", options.next.tripodMetres, "metres of the scanner above the floor")
-        ->check(CLI::Range(0.3, 10.0))
+        ->check(app::realRange(0.3, 10.0))
         ->capture_default_str();
     addThreads(*plan, threads);
     plan->footer("What a scan would reveal is an estimate: nobody knows what stands in space that was never seen.\n"
@@ -338,7 +339,7 @@ void addCalibrate(CLI::App& program, app::CalibrateOptions& options) {
         ->add_option_function<double>(
             "--square-mm", [&options](double millimetres) { options.board.squareMetres = millimetres / 1000; },
             "width of a square of the board")
-        ->check(CLI::Range(0.01, 1e5))
+        ->check(app::realRange(0.01, 1e5))
         ->default_str("25");
     camera
         ->add_option("--corner-window", options.board.windowPixels,
@@ -353,22 +354,22 @@ void addCalibrate(CLI::App& program, app::CalibrateOptions& options) {
                             ".e57 or .ptx scans on a grid of half turns of the mirror");
     scene::ScannerConstants<double>& believed = options.believed;
     scanner->add_option("--pan-steps", believed.panStepsPerHalfTurn, "of half a turn, as the scans were computed with")
-        ->check(CLI::Range(100.0, 1e8))
+        ->check(app::realRange(100.0, 1e8))
         ->capture_default_str();
     scanner
         ->add_option_function<double>(
             "--mirror-deg", [&believed](double degrees) { believed.mirrorRadians = degrees * std::numbers::pi / 180; },
             "angle of the mirror they were computed with")
-        ->check(CLI::Range(30.0, 60.0))
+        ->check(app::realRange(30.0, 60.0))
         ->default_str("45");
     scanner->add_option("--horizon", believed.horizonPosition, "position of the encoder where the beam leaves level")
-        ->check(CLI::Range(-4096.0, 4096.0))
+        ->check(app::realRange(-4096.0, 4096.0))
         ->capture_default_str();
     scanner
         ->add_option_function<double>(
             "--mirror-mm", [&believed](double millimetres) { believed.mirrorMetres = millimetres / 1000; },
             "from the rangefinder's zero to the mirror")
-        ->check(CLI::Range(-1e4, 1e4))
+        ->check(app::realRange(-1e4, 1e4))
         ->default_str("120");
     scanner->footer("Example:\n  revisit calibrate scanner walls.e57 -o scanner.json\n"
                     "  revisit build site.e57 --scanner scanner.json -o site.revisit");

@@ -9,6 +9,7 @@
 //   written OUT/walk.json         a path file of space "world": head poses whose axes are x right, y up, z
 //   backwards
 
+#include "app/real_range.h"
 #include "app/sample_scans.h"
 
 #include "scene/errors.h"
@@ -210,12 +211,12 @@ void addPhotographs(CLI::App& cli, SampleScansOptions& scans, const std::string&
         ->group(group);
     cli.add_option("--photograph-error", scans.photographErrorDegrees,
                    "degrees by which their poses are written wrong, each about an axis of its own")
-        ->check(CLI::Range(0.0, 180.0))
+        ->check(realRange(0.0, 180.0))
         ->capture_default_str()
         ->group(group);
     cli.add_option("--exposure-drift", scans.exposureStops,
                    "stops by which their exposures drift to either side; white balance drifts along")
-        ->check(CLI::Range(0.0, 8.0))
+        ->check(realRange(0.0, 8.0))
         ->capture_default_str()
         ->group(group);
 }
@@ -232,17 +233,17 @@ void addScanner(CLI::App& cli, bool& isScanner, SampleScansOptions& scans) {
     cli.add_option("--scans", scans.scans, "how many")->check(CLI::Range(1, 1000))->capture_default_str()->group(group);
     cli.add_option("--density", scans.samplesPerDegree,
                    "samples a degree, both ways; the paper's scanner took 20 to 25")
-        ->check(CLI::Range(0.5, 50.0))
+        ->check(realRange(0.5, 50.0))
         ->capture_default_str()
         ->group(group);
     cli.add_option_function<double>(
            "--range-noise-mm", [&scans](double millimetres) { scans.noiseMetres = millimetres / 1000; },
            "standard deviation of range at 3 m from a half bright surface, in millimetres")
-        ->check(CLI::Range(0.0, 1000.0))
+        ->check(realRange(0.0, 1000.0))
         ->default_str("5")
         ->group(group);
     cli.add_option("--farthest", scans.farthestMetres, "metres beyond which nothing comes back")
-        ->check(CLI::Range(0.5, 1000.0))
+        ->check(realRange(0.5, 1000.0))
         ->capture_default_str()
         ->group(group);
     cli.add_flag("--both-faces", scans.areBothFaces,
@@ -325,11 +326,11 @@ int main(int argc, char** argv) {
         ->check(CLI::Range(1, 256))
         ->capture_default_str();
     cli.add_option("--noise-mm", options.noiseMillimetres, "standard deviation of depth noise in millimetres")
-        ->check(CLI::Range(0.0, 1000.0))
+        ->check(app::realRange(0.0, 1000.0))
         ->capture_default_str();
     cli.add_option("--depth-unit", options.depthUnitMetres,
                    "metres in one step of the 16 bit depth; 65535 steps are the farthest")
-        ->check(CLI::Range(1e-6, 1.0))
+        ->check(app::realRange(1e-6, 1.0))
         ->capture_default_str();
     cli.add_option("--seed", options.seed, "another seed: other books, leaves, clouds, noise")->capture_default_str();
     cli.add_option("--format", options.format, "of the colour images")

@@ -72,6 +72,13 @@ class Canvas {
         return *renderer_;
     }
 
+    /// Where there is no memory to draw (giveUpFinest). False if there is no coverage.
+    bool giveUpFinestCoverage(const render::OutOfMemory& failure) {
+        if (on_.coverage == nullptr) return false;
+        renderer_.reset(); // it shows it
+        return giveUpFinest(*device_, drawn_.scene, on_.coverage, failure);
+    }
+
     const render::Device& device() const { return *device_; }
     render::GpuScene& gpuScene() { return *on_.images; }
     const render::GpuCoverage* coverage() const { return on_.coverage.get(); }
@@ -150,7 +157,7 @@ void renderScene(const RenderOptions& options) {
                 if (options.showsCells) addCells(overlay, worldFromWalk, selection, view.worldFromCamera.translation);
                 images = drawOnce(canvas.rendererFor(view.camera, eyes), eyeViews, given, overlay, report);
             } catch (const render::OutOfMemory& failure) {
-                if (!giveUpMore(given, failure, givenUp)) throw;
+                if (!giveUpMore(given, failure, givenUp) && !canvas.giveUpFinestCoverage(failure)) throw;
             } catch (const render::DeviceLost& loss) {
                 losses.tell(loss);
                 canvas.makeAnew();

@@ -139,7 +139,7 @@ void Walk::drawSomehow(WalkStage& stage, xr::ViewSource& source, const xr::Frame
         try {
             return draw(stage, source, frame);
         } catch (const render::OutOfMemory& failure) {
-            if (!giveUpMore(drawn_, failure, givenUp_)) throw;
+            if (!giveUpMore(drawn_, failure, givenUp_) && !stage.giveUpFinestCoverage(failure)) throw;
         } catch (const render::DeviceLost& loss) {
             // A headset's session ends with its device, and takes this frame along.
             if (stage.headset() != nullptr) throw;

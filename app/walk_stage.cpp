@@ -89,11 +89,19 @@ render::Renderer& WalkStage::rendererFor(const xr::ViewSource& source) {
         try {
             renderer = makeRenderer(source);
         } catch (const render::OutOfMemory&) {
-            renderers_ = {}; // the other one shows the coverage that goes now
-            throw;
+            std::unique_ptr<render::Renderer>& other = renderers_[&renderer == &renderers_[0] ? 1 : 0];
+            if (other == nullptr) throw;
+            other.reset(); // it is made anew when it draws next; and it shows the coverage that may have to go
+            renderer = makeRenderer(source);
         }
     });
     return *renderer;
+}
+
+bool WalkStage::giveUpFinestCoverage(const render::OutOfMemory& failure) {
+    if (on_.coverage == nullptr) return false;
+    renderers_ = {}; // they show it
+    return giveUpFinest(*device_, *scene_, on_.coverage, failure);
 }
 
 std::unique_ptr<render::Renderer> WalkStage::makeRenderer(const xr::ViewSource& source) const {

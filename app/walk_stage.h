@@ -6,6 +6,7 @@
 #include "app/walk_scene.h"
 
 #include "input/actions.h"
+#include "render/check.h"
 #include "render/renderer.h"
 #include "scene/scene.h"
 #include "xr/desktop.h"
@@ -33,6 +34,9 @@ class WalkStage {
     /// One that fits the source's pictures; made anew when they have changed their size. The headset's, and one for
     /// those at the desk.
     render::Renderer& rendererFor(const xr::ViewSource& source);
+
+    /// Where there is no memory to draw (giveUpFinest); renderers are made anew. False if there is no coverage.
+    bool giveUpFinestCoverage(const render::OutOfMemory& failure);
 
     /// Where no headset hangs on it: device, scene and renderers, all made anew; the source goes on as it is.
     void remakeDevice(const DrawnScene& drawn);

@@ -1,5 +1,6 @@
 #include "render/gpu_scene.h"
 
+#include "render/check.h"
 #include "render/chunk_bytes.h"
 #include "render/device.h"
 #include "scene/errors.h"
@@ -66,10 +67,10 @@ void GpuScene::holdSome(const Device& device, std::span<const scene::TileBlock> 
         bytesKept_ += index_.chunks[chunk].chunk.bytes();
     constexpr std::size_t kLeastChunks = 4; // that come and go
     if (bytesKept_ + kLeastChunks * scene::kChunkBytes > memory.budgetBytes)
-        throw scene::Failure("needs at least " + mebibytes(bytesKept_ + kLeastChunks * scene::kChunkBytes) +
-                                 " to show the coarsest of everything, but may take " + mebibytes(memory.budgetBytes) +
-                                 " of its " + mebibytes(bytesOf(index_)),
-                             std::string("the scene"), "allow more with --memory, on a device that has it");
+        throw OutOfMemory("needs at least " + mebibytes(bytesKept_ + kLeastChunks * scene::kChunkBytes) +
+                              " to show the coarsest of everything, but may take " + mebibytes(memory.budgetBytes) +
+                              " of its " + mebibytes(bytesOf(index_)),
+                          std::string("the scene"), "allow more with --memory, on a device that has it");
     std::vector<std::uint32_t> pages(memory.budgetBytes / memory.pageBytes,
                                      static_cast<std::uint32_t>(memory.pageBytes / kTexelBytes) / 2 * 2);
     const std::size_t rest = memory.budgetBytes % memory.pageBytes;

@@ -33,7 +33,7 @@ struct ImageShares {
 class GpuScene {
   public:
     /// Copies what the blocks hold to the device, or what of it is always to be there; then the blocks must outlive the
-    /// scene. A tile is never split: pageBytes must hold the largest. Throws scene::Failure if the device's memory does
+    /// scene. A tile is never split: pageBytes must hold the largest. Throws OutOfMemory if the device's memory does
     /// not suffice, or the budget not for the coarsest of everything.
     GpuScene(const Device& device, std::span<const scene::TileBlock> blocks, const SceneMemory& memory);
     GpuScene(const Device& device, std::span<const scene::TileBlock> blocks, std::size_t pageBytes = kPageBytes)

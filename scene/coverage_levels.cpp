@@ -8,10 +8,10 @@ namespace scene {
 
 namespace {
 
-/// Share of a cell that is unseen if it is to count so whole. Less, and narrow gaps that images saw between unseen parts
-/// are closed. Where there is surface in it, it is for what little was not observed that the surface shall vanish: with
-/// less, large cells stand out of walls and floors that were seen; if surface always decided, what lies behind thin ones
-/// would be missed (docs/performance.md, "Coarser cells").
+/// Share of a cell that is unseen if it is to count so whole. Less, and narrow gaps that images saw between unseen
+/// parts are closed. Where there is surface in it, it is for what little was not observed that the surface shall
+/// vanish: with less, large cells stand out of walls and floors that were seen; if surface always decided, what lies
+/// behind thin ones would be missed (docs/performance.md, "Coarser cells").
 constexpr float kMostlyUnseen = 0.75f, kUnseenBesideSurface = 0.9f;
 
 /// Of what is cut off.

@@ -18,9 +18,9 @@ int levelsOf(const Coverage& coverage);
 /// Edge of the smallest cell that a tree of so many levels can have, metres.
 double cellOfLevels(const Coverage& coverage, int levels);
 
-/// Of at most so many levels (at least 1). What is cut off becomes one cell. If there is surface in it, it is of surface
-/// unless nine tenths of it are unseen; if there is none, it is empty unless three quarters are. A rim of the unseen moves by less than such a cell; what is
-/// thinner is lost, on either side of it.
+/// Of at most so many levels (at least 1). What is cut off becomes one cell. If there is surface in it, it is of
+/// surface unless nine tenths of it are unseen; if there is none, it is empty unless three quarters are. A rim of the
+/// unseen moves by less than such a cell; what is thinner is lost, on either side of it.
 Coverage coarsened(const Coverage& coverage, int levels);
 
 } // namespace scene

@@ -201,6 +201,7 @@ TEST_F(FaultyDevice, UnseenSpaceIsToldAsFinelyAsThereIsRoomFor) {
     const nlohmann::json little = coverageOf("little", {"--memory", "8M"}, says);
     EXPECT_EQ(little.at("levels"), 4);
     EXPECT_EQ(linesWith(says, "told by cells of"), 1u) << says;
+    EXPECT_EQ(linesWith(says, "(it may take a quarter of --memory)"), 1u) << says;
     EXPECT_TRUE(coverageOf("hidden", {"--hide-unseen"}, says).is_null());
     const auto share = [&](const std::string& out) {
         std::size_t unseen = 0, all = 0;

@@ -104,6 +104,43 @@ TEST_F(MemoryOfScene, TooLittleIsRefusedInALine) {
     EXPECT_EQ(std::count(drawn.output.begin(), drawn.output.end(), '\n'), 1) << drawn.output;
 }
 
+TEST_F(MemoryOfScene, UnseenSpaceTakesAQuarterAndImagesComeFirst) {
+    const Outcome built =
+        run({kRevisit, "build", path("capture"), "-o", path("seen.revisit"), "--hold-out", "every:5:2", "--coverage"},
+            folder());
+    ASSERT_EQ(built.status, 0) << built.output;
+    constexpr std::size_t kMiB = 1 << 20;
+    const auto reportWith = [&](std::size_t mebibytes, std::string& says) {
+        const Outcome drawn = render("seen.revisit", "part", {"--memory", std::to_string(mebibytes) + "M"});
+        EXPECT_EQ(drawn.status, 0) << drawn.output;
+        says = drawn.output;
+        return readJson(path("part/report.json"));
+    };
+    std::string says;
+    const nlohmann::json all = reportWith(8192, says);
+    EXPECT_EQ(says.find("told by cells"), std::string::npos) << says;
+    // A quarter that is too little for all of it, and enough for its coarsest form.
+    const std::size_t little = all.at("coverage").at("bytes").get<std::size_t>() / kMiB * 4;
+    const nlohmann::json part = reportWith(little, says);
+    EXPECT_NE(says.find("told by cells"), std::string::npos) << says;
+    EXPECT_LT(part.at("coverage").at("bytes"), all.at("coverage").at("bytes"));
+    EXPECT_LE(part.at("coverage").at("bytes"), little * kMiB / 4);
+    EXPECT_LE(part.at("bytes_resident").get<std::size_t>() + part.at("coverage").at("bytes").get<std::size_t>(),
+              little * kMiB);
+    // Its coarsest form is shown even beyond its quarter, and what is left is for images.
+    EXPECT_LE(reportWith(8, says).at("bytes_resident"), 6 * kMiB);
+    // Where images need all of it, they have all.
+    const Outcome none = render("seen.revisit", "part", {"--memory", "1M"});
+    EXPECT_EQ(none.status, 1);
+    const std::string needs = "needs at least ";
+    ASSERT_NE(none.output.find(needs), std::string::npos) << none.output;
+    const std::size_t least = std::stoul(none.output.substr(none.output.find(needs) + needs.size()));
+    const nlohmann::json tight = reportWith(least, says);
+    EXPECT_EQ(tight.at("coverage").at("levels"), 4);
+    EXPECT_LE(tight.at("bytes_resident"), least * kMiB);
+    EXPECT_NE(says.find(needs), std::string::npos) << "why cells are coarse:\n" << says;
+}
+
 TEST_F(MemoryOfScene, WhatIsDamagedIsToldOnceAndTheRestIsDrawn) {
     ASSERT_EQ(render("room.revisit", "sound").status, 0);
     std::filesystem::copy(path("room.revisit"), path("hurt.revisit"), std::filesystem::copy_options::recursive);

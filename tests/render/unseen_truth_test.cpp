@@ -245,9 +245,9 @@ void expectTruth(const Place& place, const How& how) {
     EXPECT_LE(wronged, 0.01);
 }
 
-/// As where a device has no room for the finest cells: wider than a sample of these scans, and the same truth still. Few
-/// places decide what is missed of one pixel in a thousand, and one pose sees several pixels of such a place: of the
-/// coarsest many poses are asked.
+/// As where a device has no room for the finest cells: wider than a sample of these scans, and the same truth still.
+/// Few places decide what is missed of one pixel in a thousand, and one pose sees several pixels of such a place: of
+/// the coarsest many poses are asked.
 void expectTruthByCells(Place& place, int levels, double leastMetres, int poses) {
     ASSERT_LT(levels, scene::levelsOf(place.coverage));
     place.coverage = scene::coarsened(place.coverage, levels);

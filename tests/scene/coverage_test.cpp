@@ -104,8 +104,8 @@ Observed asOne(const std::vector<Observed>& kinds, int side, const std::array<in
 TEST(CoverageLevels, WhatIsCutOffIsOneCellOfItsOwnKind) {
     constexpr int kSide = 256;
     Coverage whole = randomCoverage(11, 4, 0.4, 0.3);
-    // Some nodes without surfaces, so that it is a matter of more or less; of others all that is not surface unseen, and
-    // of every other one of those there is little surface.
+    // Some nodes without surfaces, so that it is a matter of more or less; of others all that is not surface unseen,
+    // and of every other one of those there is little surface.
     for (std::size_t i = 0; i < whole.nodes.size(); i += 2) {
         CoverageNode& node = whole.nodes[i];
         if (i % 4 == 0) {
