@@ -26,6 +26,9 @@
 #include <atomic>
 #include <cmath>
 #include <cstdio>
+#include <optional>
+#include <span>
+#include <vector>
 
 #include <tbb/parallel_for.h>
 
@@ -159,60 +162,101 @@ RayTruth judge(const Place& place, const Truth& truth, const glm::dvec3& eye, co
     return isObserved && hit ? RayTruth::observed : RayTruth::between;
 }
 
-/// A pixel is as wide as it is, and what is drawn in it may reach into it from beside: it counts where its middle and
-/// four places `reach` pixels away, across and down, agree.
-RayTruth judgePixel(const Place& place, const Truth& truth, const scene::View& eye, int x, int y, double reach) {
-    const auto truthAt = [&](double dx, double dy) {
-        return judge(place, truth, eye.worldFromEye.translation,
-                     eye.worldFromEye.rotation * scene::rayThrough(eye.camera, x + 0.5 + dx, y + 0.5 + dy));
+constexpr scene::Camera kCamera{256, 192, 128, 128, 128, 96};
+constexpr int kPixels = 2 * kCamera.width * kCamera.height; ///< of both eyes
+constexpr int kAsked = kPixels / kPixelStep;                ///< of a pose
+
+/// What the geometry says of the pixels that are asked about, along a path. It does not depend on how they are drawn,
+/// and takes longer than drawing them: it is found when first asked for. A pixel is as wide as it is, and what is drawn
+/// in it may reach into it from beside: it counts where its middle and four places `reach` pixels away, across and
+/// down, agree.
+class PathTruth {
+  public:
+    PathTruth(const Place& place, int poses)
+        : place_(place), truth_(place), known_(static_cast<std::size_t>(poses) * kAsked) {
+        for (const scene::View& head : scene::walkPath(place.truth, poses, kCamera)) {
+            const auto [left, right] = scene::eyesOf(kCamera, head.worldFromEye, kEyeDistanceMetres);
+            eyes_.push_back({left, right});
+        }
+    }
+    int poses() const { return static_cast<int>(eyes_.size()); }
+    std::span<const scene::View> eyes(int pose) const { return eyes_[static_cast<std::size_t>(pose)]; }
+
+    struct Pixel {
+        std::size_t eye;
+        int x, y;
     };
-    const RayTruth middle = truthAt(0, 0);
-    if (middle == RayTruth::between) return middle;
-    for (const double dy : {-reach, reach})
-        for (const double dx : {-reach, reach})
-            if (truthAt(dx, dy) != middle) return RayTruth::between;
-    return middle;
-}
+    /// Other ones in each pose. k: below kAsked.
+    static Pixel pixelOf(int pose, int k) {
+        const int i = k * kPixelStep + 7 * pose % kPixelStep, ofEye = i % (kPixels / 2);
+        return {static_cast<std::size_t>(i / (kPixels / 2)), ofEye % kCamera.width, ofEye / kCamera.width};
+    }
+
+    /// May be asked by many threads at a time, about other pixels each.
+    RayTruth at(int pose, int k, double reach) {
+        Known& known = known_[static_cast<std::size_t>(pose) * kAsked + static_cast<std::size_t>(k)];
+        const Pixel pixel = pixelOf(pose, k);
+        const scene::View& eye = eyes(pose)[pixel.eye];
+        if (!known.middle) known.middle = judgeAt(eye, pixel.x + 0.5, pixel.y + 0.5);
+        if (*known.middle == RayTruth::between) return RayTruth::between;
+        if (!known.whole || known.reach != reach) {
+            known.reach = reach, known.whole = known.middle;
+            for (const double dy : {-reach, reach})
+                for (const double dx : {-reach, reach})
+                    if (known.whole != RayTruth::between &&
+                        judgeAt(eye, pixel.x + 0.5 + dx, pixel.y + 0.5 + dy) != *known.middle)
+                        known.whole = RayTruth::between;
+        }
+        return *known.whole;
+    }
+
+  private:
+    struct Known {
+        std::optional<RayTruth> middle, whole;
+        double reach = 0; ///< of whole
+    };
+    RayTruth judgeAt(const scene::View& eye, double u, double v) const {
+        return judge(place_, truth_, eye.worldFromEye.translation,
+                     eye.worldFromEye.rotation * scene::rayThrough(eye.camera, u, v));
+    }
+
+    const Place& place_;
+    Truth truth_;
+    std::vector<std::array<scene::View, 2>> eyes_;
+    std::vector<Known> known_;
+};
 
 /// Points are squares of up to Quality::maxFootprint pixels and stand out of their surface's rim by half of that.
 struct How {
     Warp warp = Warp::mesh;
     double reach = 1;
-    int poses = 200;
+    int every = 2; ///< of the path's poses, 200 of 400
 };
+
+constexpr int kPoses = 400;
 
 struct Count {
     std::atomic<std::int64_t> unseen{0}, missed{0}, observed{0}, wronged{0}, between{0};
 };
 
-void countPlace(const Place& place, const How& how, Count& count) {
+void countPlace(const Place& place, PathTruth& truth, const How& how, Count& count) {
     std::vector<scene::TileBlock> blocks;
     for (std::size_t i = 0; i < place.sets.size(); ++i)
         blocks.push_back(lend(place.sets[i], place.images[i].camera, place.images[i].worldFromCamera));
     const GpuScene gpuScene(testDevice(), blocks);
     const GpuCoverage coverage(testDevice(), place.coverage);
-    const scene::Camera camera{256, 192, 128, 128, 128, 96};
-    Renderer renderer(testDevice(), gpuScene, camera.width, camera.height, 2, &coverage);
+    Renderer renderer(testDevice(), gpuScene, kCamera.width, kCamera.height, 2, &coverage);
     Quality quality;
     quality.unseenPocketMetres = 0;
     quality.warp = how.warp;
     quality.holes.radius = 4; // as the presets have it
-    const Truth truth(place);
-    int at = 0;
-    for (const scene::View& head : scene::walkPath(place.truth, how.poses, camera)) {
-        const auto [left, right] = scene::eyesOf(camera, head.worldFromEye, kEyeDistanceMetres);
-        const std::array views{left, right};
-        renderer.draw(views, quality);
+    for (int pose = 0; pose < truth.poses(); pose += how.every) {
+        renderer.draw(truth.eyes(pose), quality);
         const std::vector<EyeImage> pictures = renderer.readBack();
-        const int offset = at++;
-        tbb::parallel_for(0, 2 * camera.width * camera.height / kPixelStep, [&](int k) {
-            const int i = k * kPixelStep + 7 * offset % kPixelStep;
-            const std::size_t eye = i >= camera.width * camera.height ? 1 : 0;
-            const int pixel = i - static_cast<int>(eye) * camera.width * camera.height;
-            if (pixel >= camera.width * camera.height) return;
-            const int x = pixel % camera.width, y = pixel / camera.width;
-            const bool isUnseen = pictures[eye].pixelClass(x, y) == 3;
-            switch (judgePixel(place, truth, views[eye], x, y, how.reach)) {
+        tbb::parallel_for(0, kAsked, [&](int k) {
+            const PathTruth::Pixel pixel = PathTruth::pixelOf(pose, k);
+            const bool isUnseen = pictures[pixel.eye].pixelClass(pixel.x, pixel.y) == 3;
+            switch (truth.at(pose, k, how.reach)) {
             case RayTruth::meetsUnseen:
                 ++count.unseen;
                 count.missed += isUnseen ? 0 : 1;
@@ -228,9 +272,9 @@ void countPlace(const Place& place, const How& how, Count& count) {
     }
 }
 
-void expectTruth(const Place& place, const How& how) {
+void expectTruth(const Place& place, PathTruth& truth, const How& how) {
     Count count;
-    countPlace(place, how, count);
+    countPlace(place, truth, how, count);
     const double all = static_cast<double>(count.unseen + count.observed + count.between);
     const double missed = static_cast<double>(count.missed) / static_cast<double>(count.unseen);
     const double wronged = static_cast<double>(count.wronged) / static_cast<double>(count.observed);
@@ -248,31 +292,33 @@ void expectTruth(const Place& place, const How& how) {
 /// As where a device has no room for the finest cells: wider than a sample of these scans, and the same truth still.
 /// Few places decide what is missed of one pixel in a thousand, and one pose sees several pixels of such a place: of
 /// the coarsest many poses are asked.
-void expectTruthByCells(Place& place, int levels, double leastMetres, int poses) {
+void expectTruthByCells(Place& place, PathTruth& truth, int levels, double leastMetres, int every) {
     ASSERT_LT(levels, scene::levelsOf(place.coverage));
     place.coverage = scene::coarsened(place.coverage, levels);
     place.figures.nodes = place.coverage.nodes.size();
     place.figures.finestMetres = scene::finestCellOf(place.coverage);
     EXPECT_GT(place.figures.finestMetres, leastMetres);
-    expectTruth(place, {.poses = poses});
+    expectTruth(place, truth, {.every = every});
 }
 
 class UnseenTruth : public RenderTest {};
 
 TEST_F(UnseenTruth, InARoom) {
     Place place = scanPlace(scene::makeRoom(), 2);
-    expectTruth(place, {});
-    expectTruth(place, {Warp::points, 2.5, 80});
-    expectTruthByCells(place, kVoxelLevels, 0.02, 400);
+    PathTruth truth(place, kPoses);
+    expectTruth(place, truth, {Warp::points, 2.5, 5});
+    expectTruth(place, truth, {});
+    expectTruthByCells(place, truth, kVoxelLevels, 0.02, 1);
 }
 
 TEST_F(UnseenTruth, AtAStreetCorner) {
     Place place = scanPlace(scene::makeStreetCorner(), 3);
-    expectTruth(place, {});
-    expectTruth(place, {Warp::points, 2.5, 80});
-    expectTruthByCells(place, scene::levelsOf(place.coverage) - 2, 0.018, 80);
+    PathTruth truth(place, kPoses);
+    expectTruth(place, truth, {Warp::points, 2.5, 5});
+    expectTruth(place, truth, {});
+    expectTruthByCells(place, truth, scene::levelsOf(place.coverage) - 2, 0.018, 5);
     // The fewest levels that a device is brought.
-    expectTruthByCells(place, kVoxelLevels, 0.3, 400);
+    expectTruthByCells(place, truth, kVoxelLevels, 0.3, 1);
 }
 
 } // namespace
