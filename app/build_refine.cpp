@@ -15,7 +15,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr int kRefineVersion = 9, kCoverageVersion = 1;
+constexpr int kRefineVersion = 9, kTilesVersion = 1, kCoverageVersion = 1;
 
 json describe(const scene::ComparisonOptions& o) {
     return {o.sameSurface, o.pixelError};
@@ -134,9 +134,9 @@ TileStage fuseAndCut(const ImportedImages& imported, const Overlaps& overlaps, c
                      const KeepStage& kept, const BuildOptions& options, StageStore& store) {
     scene::FusionOptions o = options.fusion;
     if (!options.fuse) o.maxPartners = 0;
-    const std::string key =
-        keyOf({kRefineVersion, kept.key, o.maxPartners, o.angleRadians, o.colourStep, describe(o.comparison),
-               options.pyramid.tileSize, options.pyramid.facetTolerance, options.pyramid.sameSurface});
+    const std::string key = keyOf({kRefineVersion, kTilesVersion, kept.key, o.maxPartners, o.angleRadians, o.colourStep,
+                                   describe(o.comparison), options.pyramid.tileSize, options.pyramid.facetTolerance,
+                                   options.pyramid.sameSurface});
     const std::filesystem::path folder = store.folderOf("tiles", key);
     scene::ImageStore images = openImages(skins.images, options);
     TileStage stage;

@@ -12,6 +12,10 @@ constexpr std::uint32_t kLeastSquaresPerFacet = 3;
 
 constexpr int kLargestLog2 = 5;
 
+std::uint32_t log2SideOf(const TileFacet& facet) {
+    return (facet.mark >> 12) & 7u;
+}
+
 /// The squares of one tile on their grid.
 class Squared {
   public:
@@ -44,6 +48,9 @@ class Squared {
         for (int y = 0; y < height_; y += side)
             for (int x = 0; x < width_; x += side)
                 divide(x, y, kLargestLog2);
+        // Those that are drawn side by side should take alike long.
+        std::stable_sort(facets_.begin(), facets_.end(),
+                         [](const TileFacet& a, const TileFacet& b) { return log2SideOf(a) > log2SideOf(b); });
         return std::move(facets_);
     }
 

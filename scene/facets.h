@@ -12,7 +12,8 @@ enum class Squares { stay, goWhereFacetsAre };
 /// Lays facets over the squares of the tiles of set.tiles: quadtrees of sides 32, 16, ... 1, each a plane that no
 /// sample leaves by more than tolerance times its disparity; a single square that bends more is two halves. A tile
 /// where that saves little (foliage), or that is a scrap, gets none. Neighbouring facets meet within that tolerance, so
-/// seen from a camera b away, surfaces at z, cracks are at most 2 f tolerance b / z pixels wide.
+/// seen from a camera b away, surfaces at z, cracks are at most 2 f tolerance b / z pixels wide. The largest of a tile
+/// come first.
 void layFacets(TileSet& set, float tolerance, Squares squares);
 
 /// Appends another set's tiles, which have one level, as tiles of that level.

@@ -17,6 +17,7 @@ layout(set = 0, binding = 2) uniform usamplerBuffer facets;
 layout(set = 0, binding = 3) uniform usamplerBuffer texels;
 layout(std430, set = 1, binding = 0) readonly buffer Draws { TileDraw draws[]; };
 layout(std430, set = 1, binding = 1) buffer ZBuffer { uint64_t zBuffer[]; };
+layout(set = 1, binding = 4) uniform usamplerBuffer zTexels;
 layout(push_constant) uniform Constants { WarpConstants constants; };
 
 const int kLargeFacet = 24; // pixels of its box
@@ -61,7 +62,7 @@ void drawPixel(TileDraw draw, Piece piece, uint levelAndClass, ivec2 offset)
     if (sight.disparity < 0.0f) return;
     ivec2 pixel = piece.box.first + offset;
     int at = pixel.y * constants.width + pixel.x;
-    if (unpackUint2x32(zBuffer[at]).y > floatBitsToUint(sight.disparity)) return;
+    if (texelFetch(zTexels, at).y > floatBitsToUint(sight.disparity)) return;
     if (isByDetail(draw)) {
         uint x = uint(max(piece.place.x + int(floor(sight.x + 0.5f)), 0));
         uint y = uint(max(piece.place.y + int(floor(sight.y + 0.5f)), 0));

@@ -3,6 +3,7 @@
 #include "scene/scene_file.h"
 #include "tests/scene/random_poses.h"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <set>
@@ -107,6 +108,21 @@ TEST(Facets, NoSampleLeavesItsPlane) {
         }
     }
     EXPECT_GT(large, 10u);
+}
+
+// Those that a device draws at once take alike long.
+TEST(Facets, TheLargestOfATileComeFirst) {
+    TileSet set = cutIntoTiles(drawHills(150, 130, 4));
+    layFacets(set, 0.004f, Squares::stay);
+    std::size_t mixed = 0;
+    for (const Tile& tile : set.tiles) {
+        std::vector<std::uint32_t> sides;
+        for (std::uint32_t i = tile.firstFacet; i < tile.firstFacet + tile.facetCount; ++i)
+            sides.push_back(set.facets[i].mark >> 12 & 7u);
+        EXPECT_TRUE(std::is_sorted(sides.rbegin(), sides.rend()));
+        mixed += !sides.empty() && sides.front() != sides.back() ? 1 : 0;
+    }
+    EXPECT_GT(mixed, 3u);
 }
 
 TEST(Facets, AFlatTileIsOne) {
