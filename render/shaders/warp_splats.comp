@@ -23,7 +23,8 @@ void drawPixel(int x, int y, vec2 offset, float centre, float perRadius2, uint c
     bool isInside = uint(x) < uint(constants.width) && uint(y) < uint(constants.height);
     if (!(disparity >= 0.0f && isInside)) return;
     int at = y * constants.width + x;
-    // What is hidden already is passed over: reading costs half of an atomic here, and most of what splats cover is.
+    // Most of what splats cover is hidden already, and reading a texel is cheaper than an atomic that changes nothing.
+    // What is read may be of a moment ago: then it is no greater than what stands there, and nothing is lost.
     if (texelFetch(zTexels, at).y > floatBitsToUint(disparity)) return;
     atomicMax(zBuffer[at], packUint2x32(packKey(disparity, colour, levelAndClass)));
 }
