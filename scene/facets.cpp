@@ -12,10 +12,6 @@ constexpr std::uint32_t kLeastSquaresPerFacet = 3;
 
 constexpr int kLargestLog2 = 5;
 
-std::uint32_t log2SideOf(const TileFacet& facet) {
-    return (facet.mark >> 12) & 7u;
-}
-
 /// The squares of one tile on their grid.
 class Squared {
   public:

@@ -9,6 +9,11 @@ namespace scene {
 /// What becomes of the squares of a tile that has got facets.
 enum class Squares { stay, goWhereFacetsAre };
 
+/// Of a facet's side, which is in squares.
+inline std::uint32_t log2SideOf(const TileFacet& facet) {
+    return facet.mark >> 12 & 7u;
+}
+
 /// Lays facets over the squares of the tiles of set.tiles: quadtrees of sides 32, 16, ... 1, each a plane that no
 /// sample leaves by more than tolerance times its disparity; a single square that bends more is two halves. A tile
 /// where that saves little (foliage), or that is a scrap, gets none. Neighbouring facets meet within that tolerance, so

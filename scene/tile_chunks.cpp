@@ -1,5 +1,7 @@
 #include "scene/tile_chunks.h"
 
+#include "scene/facets.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -29,7 +31,7 @@ bool isSound(const TileBlock& block, const Tile& tile) {
     for (const TileQuad& quad : block.quads.subspan(tile.firstQuad, tile.quadCount))
         if (!isWithin(quad.top) || !isWithin(quad.bottom)) return false;
     for (const TileFacet& facet : block.facets.subspan(tile.firstFacet, tile.facetCount)) {
-        const std::uint32_t side = 1u << (facet.mark >> 12 & 7u);
+        const std::uint32_t side = 1u << log2SideOf(facet);
         if ((facet.mark & 63u) + side > tile.width || (facet.mark >> 6 & 63u) + side > tile.height) return false;
         if (!std::isfinite(facet.q) || !std::isfinite(facet.perX) || !std::isfinite(facet.perY)) return false;
     }

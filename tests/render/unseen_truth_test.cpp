@@ -167,7 +167,7 @@ constexpr int kPixels = 2 * kCamera.width * kCamera.height; ///< of both eyes
 constexpr int kAsked = kPixels / kPixelStep;                ///< of a pose
 
 /// What the geometry says of the pixels that are asked about, along a path. It does not depend on how they are drawn,
-/// and takes longer than drawing them: it is found when first asked for. A pixel is as wide as it is, and what is drawn
+/// and is found when first asked for. A pixel is as wide as it is, and what is drawn
 /// in it may reach into it from beside: it counts where its middle and four places `reach` pixels away, across and
 /// down, agree.
 class PathTruth {

@@ -118,7 +118,7 @@ TEST(Facets, TheLargestOfATileComeFirst) {
     for (const Tile& tile : set.tiles) {
         std::vector<std::uint32_t> sides;
         for (std::uint32_t i = tile.firstFacet; i < tile.firstFacet + tile.facetCount; ++i)
-            sides.push_back(set.facets[i].mark >> 12 & 7u);
+            sides.push_back(log2SideOf(set.facets[i]));
         EXPECT_TRUE(std::is_sorted(sides.rbegin(), sides.rend()));
         mixed += !sides.empty() && sides.front() != sides.back() ? 1 : 0;
     }
