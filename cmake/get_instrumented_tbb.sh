@@ -4,6 +4,7 @@
 # Debian's oneTBB is not: the sanitizer then sees no order between what a task wrote and who reads it after the join, and
 # reports correct programs by the hundred. Silencing whatever has libtbb.so in its stack silences every race in our own
 # parallel loops, too. With the library instrumented, a race in a loop's body is reported (tests/tsan_suppressions.txt).
+# It is compiled by the preset's own compiler: one program has one sanitizer.
 set -euo pipefail
 prefix=$(realpath -m "${1:?usage: get_instrumented_tbb.sh PREFIX}")
 here=$(dirname "$(realpath "$0")")
@@ -21,6 +22,7 @@ say "fetching the source of oneTBB"
 say "building it"
 {
     cmake -G Ninja -S "$part/source" -B "$part/build" -DCMAKE_BUILD_TYPE=Release -DTBB_SANITIZE=thread \
+        -DCMAKE_C_COMPILER=clang-16 -DCMAKE_CXX_COMPILER=clang++-16 \
         -DTBB_TEST=OFF -DTBB_STRICT=OFF -DTBBMALLOC_BUILD=OFF \
         -DCMAKE_INSTALL_PREFIX="$part/stage" -DCMAKE_INSTALL_LIBDIR=lib &&
         ninja -C "$part/build" install

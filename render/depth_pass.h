@@ -7,7 +7,7 @@
 namespace render {
 
 struct DepthPass {
-    DescriptorSetLayout layout; ///< 0 depths, 1 near over depths
+    VkDescriptorSetLayout layout = VK_NULL_HANDLE; ///< 0 depths, 1 near over depths
     ComputePipeline pipeline;
 };
 

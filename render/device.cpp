@@ -2,6 +2,7 @@
 
 #include "render/check.h"
 #include "render/device_choice.h"
+#include "render/pipeline.h"
 #include "scene/errors.h"
 
 #include <algorithm>
@@ -27,7 +28,7 @@ bool instanceHas(const char* extension) {
 
 } // namespace
 
-Device::Device(const DeviceMaker& maker) {
+Device::Device(const DeviceMaker& maker) : pipelines_(std::make_unique<PipelineStore>()) {
     try {
         createInstance(maker);
         choosePhysical(maker);
@@ -44,6 +45,7 @@ Device::~Device() {
 }
 
 void Device::destroy() {
+    pipelines_.reset();
     if (device_ != VK_NULL_HANDLE) vkDestroyDevice(device_, nullptr);
     if (messenger_ != VK_NULL_HANDLE) vkDestroyDebugUtilsMessengerEXT(instance_, messenger_, nullptr);
     if (instance_ != VK_NULL_HANDLE) vkDestroyInstance(instance_, nullptr);

@@ -7,6 +7,7 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <mutex>
 #include <string>
 #include <vector>
@@ -24,6 +25,8 @@ struct DeviceMaker {
         makeDevice;
     std::vector<const char*> instanceExtensions, deviceExtensions; ///< further ones, for windows
 };
+
+class PipelineStore;
 
 /// Stays where it is: everything it makes points back at it, and must be gone before it.
 class Device {
@@ -65,6 +68,9 @@ class Device {
     /// (VK_EXT_memory_budget), or all there is where the driver does not say.
     std::size_t roomBytes() const;
 
+    /// What it has compiled so far: pipelines live as long as the device, whoever draws by them.
+    PipelineStore& pipelines() const { return *pipelines_; }
+
     /// Warnings and errors of the validation layers so far; always empty without them (VK_INSTANCE_LAYERS).
     std::vector<std::string> validationMessages() const;
 
@@ -88,6 +94,7 @@ class Device {
     VkPhysicalDeviceMemoryProperties memory_{};
     std::string name_, driver_, passedOver_;
     int subgroupSize_ = 1;
+    std::unique_ptr<PipelineStore> pipelines_;
     mutable std::mutex heardMutex_; ///< the layers may call from any thread
     std::vector<std::string> heard_;
 };

@@ -55,7 +55,7 @@ class GpuPolygons {
     std::int64_t triangles_ = 0;
     std::vector<DeviceImage> textures_; ///< those of the scene, then a white one
     Sampler sampler_;
-    DescriptorSetLayout layout_;
+    VkDescriptorSetLayout layout_ = VK_NULL_HANDLE;
     DescriptorPool pool_;
     std::vector<VkDescriptorSet> sets_; ///< by material
     std::vector<glm::vec4> colours_;

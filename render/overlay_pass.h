@@ -8,7 +8,7 @@
 namespace render {
 
 struct OverlayPass {
-    DescriptorSetLayout listLayout; ///< 0 strokes, 1 entries, 2 bins
+    VkDescriptorSetLayout listLayout = VK_NULL_HANDLE; ///< 0 strokes, 1 entries, 2 bins
     ComputePipeline pipeline;
 };
 

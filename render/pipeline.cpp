@@ -3,11 +3,11 @@
 #include "render/check.h"
 #include "render/device.h"
 
-#include <vector>
+#include <utility>
 
 namespace render {
 
-PipelineLayout makePipelineLayout(const Device& device, std::span<const VkDescriptorSetLayout> sets,
+PipelineLayout makePipelineLayout(VkDevice device, std::span<const VkDescriptorSetLayout> sets,
                                   const VkPushConstantRange& constants) {
     VkPipelineLayoutCreateInfo info{};
     info.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO;
@@ -20,7 +20,7 @@ PipelineLayout makePipelineLayout(const Device& device, std::span<const VkDescri
     return {device, layout};
 }
 
-ShaderModule makeShaderModule(const Device& device, std::span<const std::uint32_t> code) {
+ShaderModule makeShaderModule(VkDevice device, std::span<const std::uint32_t> code) {
     VkShaderModuleCreateInfo info{};
     info.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO;
     info.codeSize = code.size_bytes();
@@ -45,9 +45,15 @@ VkDescriptorType typeOf(Binding binding) {
 
 } // namespace
 
-ComputePipeline makeComputePipeline(const Device& device, std::span<const std::uint32_t> code,
-                                    std::span<const VkDescriptorSetLayout> sets, std::uint32_t pushConstantBytes,
-                                    std::span<const std::uint32_t> specialisation) {
+ComputePipeline PipelineStore::pipeline(VkDevice device, std::span<const std::uint32_t> code,
+                                        std::span<const VkDescriptorSetLayout> sets, std::uint32_t pushConstantBytes,
+                                        std::span<const std::uint32_t> specialisation) {
+    const std::scoped_lock lock(mutex_);
+    PipelineKey key{
+        code.data(), {sets.begin(), sets.end()}, pushConstantBytes, {specialisation.begin(), specialisation.end()}};
+    if (const auto found = pipelines_.find(key); found != pipelines_.end())
+        return {found->second.layout, found->second.pipeline};
+
     std::vector<VkSpecializationMapEntry> entries;
     for (std::uint32_t i = 0; i < specialisation.size(); ++i)
         entries.push_back({i, i * static_cast<std::uint32_t>(sizeof(std::uint32_t)), sizeof(std::uint32_t)});
@@ -55,7 +61,7 @@ ComputePipeline makeComputePipeline(const Device& device, std::span<const std::u
                                          specialisation.size_bytes(), specialisation.data()};
 
     const ShaderModule module = makeShaderModule(device, code);
-    ComputePipeline made{makePipelineLayout(device, sets, {VK_SHADER_STAGE_COMPUTE_BIT, 0, pushConstantBytes}), {}};
+    Made made{makePipelineLayout(device, sets, {VK_SHADER_STAGE_COMPUTE_BIT, 0, pushConstantBytes}), {}};
     VkComputePipelineCreateInfo info{};
     info.sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO;
     info.stage.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO;
@@ -67,10 +73,16 @@ ComputePipeline makeComputePipeline(const Device& device, std::span<const std::u
     VkPipeline pipeline = VK_NULL_HANDLE;
     check(vkCreateComputePipelines(device, VK_NULL_HANDLE, 1, &info, nullptr, &pipeline));
     made.pipeline = {device, pipeline};
-    return made;
+    const Made& kept = pipelines_.emplace(std::move(key), std::move(made)).first->second;
+    return {kept.layout, kept.pipeline};
 }
 
-DescriptorSetLayout makeSetLayout(const Device& device, std::span<const Binding> bindings, VkShaderStageFlags stages) {
+VkDescriptorSetLayout PipelineStore::setLayout(VkDevice device, std::span<const Binding> bindings,
+                                               VkShaderStageFlags stages) {
+    const std::scoped_lock lock(mutex_);
+    SetKey key{{bindings.begin(), bindings.end()}, stages};
+    if (const auto found = setLayouts_.find(key); found != setLayouts_.end()) return found->second;
+
     std::vector<VkDescriptorSetLayoutBinding> all;
     for (std::size_t i = 0; i < bindings.size(); ++i)
         all.push_back({static_cast<std::uint32_t>(i), typeOf(bindings[i]), 1, stages, nullptr});
@@ -80,7 +92,18 @@ DescriptorSetLayout makeSetLayout(const Device& device, std::span<const Binding>
     info.pBindings = all.data();
     VkDescriptorSetLayout layout = VK_NULL_HANDLE;
     check(vkCreateDescriptorSetLayout(device, &info, nullptr, &layout));
-    return {device, layout};
+    return setLayouts_.emplace(std::move(key), DescriptorSetLayout{device, layout}).first->second;
+}
+
+ComputePipeline makeComputePipeline(const Device& device, std::span<const std::uint32_t> code,
+                                    std::span<const VkDescriptorSetLayout> sets, std::uint32_t pushConstantBytes,
+                                    std::span<const std::uint32_t> specialisation) {
+    return device.pipelines().pipeline(device, code, sets, pushConstantBytes, specialisation);
+}
+
+VkDescriptorSetLayout makeSetLayout(const Device& device, std::span<const Binding> bindings,
+                                    VkShaderStageFlags stages) {
+    return device.pipelines().setLayout(device, bindings, stages);
 }
 
 DescriptorPool makeSetPool(const Device& device, std::size_t sets, std::span<const Binding> bindings) {

@@ -3,23 +3,29 @@
 
 #include "render/handle.h"
 
+#include <compare>
 #include <cstdint>
+#include <map>
+#include <mutex>
 #include <span>
+#include <vector>
 
 namespace render {
 
 class Device;
 class Buffer;
 
+/// Belongs to the device.
 struct ComputePipeline {
-    PipelineLayout layout;
-    Pipeline pipeline;
+    VkPipelineLayout layout = VK_NULL_HANDLE;
+    VkPipeline pipeline = VK_NULL_HANDLE;
 };
 
 /// What every device allows in one direction of a dispatch.
 inline constexpr std::uint32_t kMaxWorkgroups = 65535;
 
-/// code: SPIR-V. specialisation: the constants 0, 1, ... of the shader.
+/// code: SPIR-V, which stays where it is. specialisation: the constants 0, 1, ... of the shader. Whoever asks for the
+/// same again is given the same: drivers take a while to compile.
 ComputePipeline makeComputePipeline(const Device& device, std::span<const std::uint32_t> code,
                                     std::span<const VkDescriptorSetLayout> sets, std::uint32_t pushConstantBytes,
                                     std::span<const std::uint32_t> specialisation);
@@ -31,9 +37,9 @@ enum class Binding {
     sampled  ///< an image through a sampler
 };
 
-/// Bindings 0, 1, ... of a set, for these shaders.
-DescriptorSetLayout makeSetLayout(const Device& device, std::span<const Binding> bindings,
-                                  VkShaderStageFlags stages = VK_SHADER_STAGE_COMPUTE_BIT);
+/// Bindings 0, 1, ... of a set, for these shaders. Belongs to the device; the same again for whoever asks for it again.
+VkDescriptorSetLayout makeSetLayout(const Device& device, std::span<const Binding> bindings,
+                                    VkShaderStageFlags stages = VK_SHADER_STAGE_COMPUTE_BIT);
 
 /// Room for that many sets (at least one) with these bindings each.
 DescriptorPool makeSetPool(const Device& device, std::size_t sets, std::span<const Binding> bindings);
@@ -55,9 +61,39 @@ VkDescriptorSet allocateSet(const Device& device, VkDescriptorPool pool, VkDescr
 /// Puts another at a binding of a set that nothing is using.
 void rebind(const Device& device, VkDescriptorSet set, std::uint32_t binding, const Bound& bound);
 
-PipelineLayout makePipelineLayout(const Device& device, std::span<const VkDescriptorSetLayout> sets,
+PipelineLayout makePipelineLayout(VkDevice device, std::span<const VkDescriptorSetLayout> sets,
                                   const VkPushConstantRange& constants);
 
-ShaderModule makeShaderModule(const Device& device, std::span<const std::uint32_t> code);
+ShaderModule makeShaderModule(VkDevice device, std::span<const std::uint32_t> code);
+
+/// What makeComputePipeline and makeSetLayout have made for a device. For any number of threads.
+class PipelineStore {
+  public:
+    ComputePipeline pipeline(VkDevice device, std::span<const std::uint32_t> code,
+                             std::span<const VkDescriptorSetLayout> sets, std::uint32_t pushConstantBytes,
+                             std::span<const std::uint32_t> specialisation);
+    VkDescriptorSetLayout setLayout(VkDevice device, std::span<const Binding> bindings, VkShaderStageFlags stages);
+
+  private:
+    struct PipelineKey {
+        const std::uint32_t* code;
+        std::vector<VkDescriptorSetLayout> sets;
+        std::uint32_t pushConstantBytes;
+        std::vector<std::uint32_t> specialisation;
+        auto operator<=>(const PipelineKey&) const = default;
+    };
+    struct SetKey {
+        std::vector<Binding> bindings;
+        VkShaderStageFlags stages;
+        auto operator<=>(const SetKey&) const = default;
+    };
+    struct Made {
+        PipelineLayout layout;
+        Pipeline pipeline;
+    };
+    std::mutex mutex_;
+    std::map<SetKey, DescriptorSetLayout> setLayouts_;
+    std::map<PipelineKey, Made> pipelines_;
+};
 
 } // namespace render

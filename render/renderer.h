@@ -139,7 +139,7 @@ class Renderer {
     int width_, height_;
     bool letsDisplayEnlarge_ = false;
     PictureSize picture_{width_, height_}; ///< of this frame
-    DescriptorSetLayout eyeLayout_;
+    VkDescriptorSetLayout eyeLayout_ = VK_NULL_HANDLE;
     WarpPasses warps_;
     OcclusionPass occlusion_;
     BlendPass blend_;

@@ -48,7 +48,7 @@ void requireRange(const Device& device, std::size_t bytes, const std::string& wh
                          device.name(), remedy);
 }
 
-DescriptorSetLayout makeEyeLayout(const Device& device) {
+VkDescriptorSetLayout makeEyeLayout(const Device& device) {
     return makeSetLayout(device, kEyeBindings);
 }
 

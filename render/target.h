@@ -16,7 +16,7 @@ inline constexpr int kFramesInFlight = 2;
 /// The layout of an eye's set: 0 draws, 1 z-buffer, 2 colours, 3 depths, 4 z-buffer as texels, to be read, 5 holes
 /// (shaders/shared/hole_words.h); 6 the nearest that each block hides, 7 draws that passed a test against that, 8 how
 /// many of each run.
-DescriptorSetLayout makeEyeLayout(const Device& device);
+VkDescriptorSetLayout makeEyeLayout(const Device& device);
 inline constexpr std::uint32_t kEyeStorageBuffers = 8; ///< of them: all but the texels
 
 /// One z-buffer and picture serve all frames in flight: they follow one another on the eye's queue. The draw

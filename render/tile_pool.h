@@ -46,7 +46,7 @@ class TilePool {
         VkDescriptorSet set = VK_NULL_HANDLE;
         std::uint32_t texels = 0;
     };
-    DescriptorSetLayout layout_;
+    VkDescriptorSetLayout layout_ = VK_NULL_HANDLE;
     DescriptorPool pool_;
     std::vector<Page> pages_;
     std::size_t bytes_ = 0;

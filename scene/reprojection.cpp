@@ -81,9 +81,7 @@ float nearestAbout(const DepthImage& image, int x, int y) {
 Comparison compareAnywhere(const DepthImage& target, const Sighting& sighting, const ComparisonOptions& options) {
     Comparison result;
     const Camera& camera = target.camera;
-    if (!(sighting.w > 0) || !(sighting.u >= 0) || !(sighting.v >= 0) ||
-        !(sighting.u < static_cast<float>(camera.width)) || !(sighting.v < static_cast<float>(camera.height)))
-        return result;
+    if (!isSeenIn(camera, sighting)) return result;
 
     const Corners at = cornersAbout(camera, sighting.u, sighting.v);
     const bool allSurface = isSurface(target.flags(at.x0, at.y0)) && isSurface(target.flags(at.x1, at.y0)) &&

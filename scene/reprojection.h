@@ -30,6 +30,12 @@ struct Sighting {
     float u = 0, v = 0, disparity = 0, w = 0;
 };
 
+/// Whether it is before the camera and within its image.
+inline bool isSeenIn(const Camera& camera, const Sighting& at) {
+    return at.w > 0 && at.u >= 0 && at.v >= 0 && at.u < static_cast<float>(camera.width) &&
+           at.v < static_cast<float>(camera.height);
+}
+
 inline Sighting sightingOf(const Reprojection& into, float x, float y, float disparity) {
     const glm::vec3 h = into.origin + x * into.columnX + y * into.columnY + disparity * into.columnD;
     const float perW = 1.0f / h.z;
@@ -114,8 +120,8 @@ glm::vec3 colourAt(const DepthImage& target, float u, float v);
 inline Comparison compareWith(const DepthImage& target, const Sighting& sighting, const ComparisonOptions& options) {
     const float left = sighting.u - 0.5f, top = sighting.v - 0.5f;
     const int width = target.camera.width, height = target.camera.height;
-    if (sighting.w > 0 && left >= 0 && top >= 0 && left < static_cast<float>(width - 1) &&
-        top < static_cast<float>(height - 1)) {
+    if (!isSeenIn(target.camera, sighting)) return {};
+    if (left >= 0 && top >= 0 && left < static_cast<float>(width - 1) && top < static_cast<float>(height - 1)) {
         const int x = static_cast<int>(left), y = static_cast<int>(top);
         const std::uint8_t* const flags = &target.flags(x, y);
         const auto anyFlags = static_cast<std::uint8_t>(flags[0] | flags[1] | flags[width] | flags[width + 1]);

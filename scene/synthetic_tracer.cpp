@@ -18,19 +18,21 @@ namespace {
 constexpr unsigned kPatchGeometry = 0, kMeshGeometry = 1, kRoundGeometry = 2;
 constexpr double kTwoPi = 6.283185307179586;
 
-/// Embree's rays are single precision; round surfaces read the exact ray behind the context that Embree hands
-/// through.
-struct ExactRay {
+/// Embree's rays are single precision; round surfaces read the exact rays behind the context that Embree hands
+/// through, each by its number.
+struct ExactRays {
     RTCIntersectContext context;
-    glm::dvec3 origin, direction;
+    glm::dvec3 origin;
+    const glm::dvec3* directions;
 };
 
-RTCRay rayOf(const ExactRay& exact, double lengths) {
+RTCRay rayOf(const ExactRays& exact, double lengths) {
+    const glm::dvec3& direction = exact.directions[0];
     RTCRay ray{};
     ray.org_x = static_cast<float>(exact.origin.x), ray.org_y = static_cast<float>(exact.origin.y);
     ray.org_z = static_cast<float>(exact.origin.z);
-    ray.dir_x = static_cast<float>(exact.direction.x), ray.dir_y = static_cast<float>(exact.direction.y);
-    ray.dir_z = static_cast<float>(exact.direction.z);
+    ray.dir_x = static_cast<float>(direction.x), ray.dir_y = static_cast<float>(direction.y);
+    ray.dir_z = static_cast<float>(direction.z);
     ray.tnear = 0.0f;
     ray.tfar = static_cast<float>(lengths);
     ray.mask = ~0u;
@@ -94,26 +96,30 @@ void boundRound(const RTCBoundsFunctionArguments* args) {
 }
 
 void intersectRound(const RTCIntersectFunctionNArguments* args) {
-    assert(args->N == 1);
-    if (args->valid[0] == 0) return;
     const Round& round = static_cast<const Round*>(args->geometryUserPtr)[args->primID];
-    const auto& exact = *reinterpret_cast<const ExactRay*>(args->context);
-    auto& found = *reinterpret_cast<RTCRayHit*>(args->rayhit);
-    const double t = meet(round, exact.origin, exact.direction, found.ray.tnear, found.ray.tfar);
-    if (!std::isfinite(t)) return;
-    found.ray.tfar = static_cast<float>(t);
-    found.hit.geomID = args->geomID;
-    found.hit.primID = args->primID;
-    found.hit.instID[0] = args->context->instID[0];
+    const auto& exact = *reinterpret_cast<const ExactRays*>(args->context);
+    RTCRayN* const rays = RTCRayHitN_RayN(args->rayhit, args->N);
+    RTCHitN* const hits = RTCRayHitN_HitN(args->rayhit, args->N);
+    for (unsigned i = 0; i < args->N; ++i) {
+        if (args->valid[i] == 0) continue;
+        float& end = RTCRayN_tfar(rays, args->N, i);
+        const double t = meet(round, exact.origin, exact.directions[RTCRayN_id(rays, args->N, i)],
+                              RTCRayN_tnear(rays, args->N, i), end);
+        if (!std::isfinite(t)) continue;
+        end = static_cast<float>(t);
+        RTCHitN_geomID(hits, args->N, i) = args->geomID;
+        RTCHitN_primID(hits, args->N, i) = args->primID;
+        RTCHitN_instID(hits, args->N, i, 0) = args->context->instID[0];
+    }
 }
 
 void occludeRound(const RTCOccludedFunctionNArguments* args) {
     assert(args->N == 1);
     if (args->valid[0] == 0) return;
     const Round& round = static_cast<const Round*>(args->geometryUserPtr)[args->primID];
-    const auto& exact = *reinterpret_cast<const ExactRay*>(args->context);
+    const auto& exact = *reinterpret_cast<const ExactRays*>(args->context);
     auto& ray = *reinterpret_cast<RTCRay*>(args->ray);
-    if (std::isfinite(meet(round, exact.origin, exact.direction, ray.tnear, ray.tfar)))
+    if (std::isfinite(meet(round, exact.origin, exact.directions[0], ray.tnear, ray.tfar)))
         ray.tfar = -std::numeric_limits<float>::infinity();
 }
 
@@ -217,22 +223,13 @@ SyntheticTracer::~SyntheticTracer() {
     rtcReleaseDevice(device_);
 }
 
-std::optional<RayHit> SyntheticTracer::cast(const glm::dvec3& origin, const glm::dvec3& direction) const {
-    ExactRay exact{{}, origin, direction};
-    rtcInitIntersectContext(&exact.context);
-    RTCRayHit found{};
-    found.ray = rayOf(exact, std::numeric_limits<double>::infinity());
-    found.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    found.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-    rtcIntersect1(scene_, &exact.context, &found);
-
-    if (found.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
-    RayHit hit{0, SurfaceKind::patch, found.hit.primID};
-    if (found.hit.geomID == kPatchGeometry) {
-        hit.index = patchOfTriangle_[found.hit.primID];
+RayHit SyntheticTracer::exactHit(const glm::dvec3& origin, const glm::dvec3& direction, const Found& found) const {
+    RayHit hit{0, SurfaceKind::patch, found.primitive};
+    if (found.geometry == kPatchGeometry) {
+        hit.index = patchOfTriangle_[found.primitive];
         const Patch& patch = model_.patches[hit.index];
         hit.t = distanceToPlane(origin, direction, patch.origin, patch.normal);
-    } else if (found.hit.geomID == kMeshGeometry) {
+    } else if (found.geometry == kMeshGeometry) {
         hit.kind = SurfaceKind::mesh;
         const auto& corners = model_.mesh.triangles[hit.index];
         const glm::dvec3 a = model_.mesh.positions[corners[0]];
@@ -241,16 +238,56 @@ std::optional<RayHit> SyntheticTracer::cast(const glm::dvec3& origin, const glm:
     } else {
         hit.kind = SurfaceKind::round;
         // Embree's limit is rounded to a float: leave room for the exact value beside it.
-        hit.t = meet(model_.rounds[hit.index], origin, direction, 0.0, found.ray.tfar * 1.000001 + 1e-9);
+        hit.t = meet(model_.rounds[hit.index], origin, direction, 0.0, found.lengths * 1.000001 + 1e-9);
     }
     // A ray within a plane, or one that the exact equation just misses: Embree's own answer is the best there
     // is.
-    if (!std::isfinite(hit.t) || hit.t <= 0) hit.t = found.ray.tfar;
+    if (!std::isfinite(hit.t) || hit.t <= 0) hit.t = found.lengths;
     return hit;
 }
 
+std::optional<RayHit> SyntheticTracer::cast(const glm::dvec3& origin, const glm::dvec3& direction) const {
+    ExactRays exact{{}, origin, &direction};
+    rtcInitIntersectContext(&exact.context);
+    RTCRayHit found{};
+    found.ray = rayOf(exact, std::numeric_limits<double>::infinity());
+    found.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    found.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+    rtcIntersect1(scene_, &exact.context, &found);
+    if (found.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
+    return exactHit(origin, direction, {found.hit.geomID, found.hit.primID, found.ray.tfar});
+}
+
+std::array<std::optional<RayHit>, SyntheticTracer::kTogether>
+SyntheticTracer::castTogether(const glm::dvec3& origin, std::span<const glm::dvec3> directions) const {
+    assert(directions.size() <= kTogether);
+    ExactRays exact{{}, origin, directions.data()};
+    rtcInitIntersectContext(&exact.context);
+    exact.context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+    RTCRayHit8 found{};
+    alignas(32) std::array<int, kTogether> valid{};
+    for (std::size_t i = 0; i < directions.size(); ++i) {
+        valid[i] = -1;
+        found.ray.org_x[i] = static_cast<float>(origin.x), found.ray.org_y[i] = static_cast<float>(origin.y);
+        found.ray.org_z[i] = static_cast<float>(origin.z);
+        found.ray.dir_x[i] = static_cast<float>(directions[i].x);
+        found.ray.dir_y[i] = static_cast<float>(directions[i].y);
+        found.ray.dir_z[i] = static_cast<float>(directions[i].z);
+        found.ray.tfar[i] = std::numeric_limits<float>::infinity();
+        found.ray.mask[i] = ~0u;
+        found.ray.id[i] = static_cast<unsigned>(i);
+        found.hit.geomID[i] = found.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
+    }
+    rtcIntersect8(valid.data(), scene_, &exact.context, &found);
+    std::array<std::optional<RayHit>, kTogether> hits;
+    for (std::size_t i = 0; i < directions.size(); ++i)
+        if (found.hit.geomID[i] != RTC_INVALID_GEOMETRY_ID)
+            hits[i] = exactHit(origin, directions[i], {found.hit.geomID[i], found.hit.primID[i], found.ray.tfar[i]});
+    return hits;
+}
+
 bool SyntheticTracer::isBlocked(const glm::dvec3& origin, const glm::dvec3& direction, double lengths) const {
-    ExactRay exact{{}, origin, direction};
+    ExactRays exact{{}, origin, &direction};
     rtcInitIntersectContext(&exact.context);
     RTCRay ray = rayOf(exact, lengths);
     rtcOccluded1(scene_, &exact.context, &ray);

@@ -11,6 +11,7 @@ revisit_test(revisit_refine_tests WHOLE LABELS unit TIMEOUT 300 LINKS scene scen
         scene/refine/cover_test.cpp
         scene/refine/fusion_test.cpp
         scene/overlap_test.cpp
+        scene/refine/patch_cost_test.cpp
         scene/refine/redundancy_test.cpp
         scene/refine/silhouettes_test.cpp
         scene/refine/skins_test.cpp

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <bit>
 #include <cstddef>
+#include <iterator>
 #include <utility>
 
 #include <tbb/parallel_for.h>
@@ -117,19 +118,52 @@ Texels nodesOf(const Tree& tree, const Voxels& voxels) {
     return texels;
 }
 
-/// Along a line of voxels, each so far from the next: the least over all of them of how far that one is from what is
-/// not open, along the lines before, or on this line itself, whichever is more. Outside nothing was observed.
-void countAlong(std::uint8_t* line, std::size_t step) {
-    std::array<std::uint8_t, kAcross> from;
+/// Along a line of voxels that are open or not: how far each is from what is not open. Outside nothing was observed.
+void countAlongFirst(std::uint8_t* line) {
+    std::uint8_t far = 0;
+    const auto visit = [&](std::uint8_t& voxel) {
+        far = std::min(voxel, static_cast<std::uint8_t>(far + 1));
+        voxel = far;
+    };
+    std::for_each(line, line + kAcross, visit);
+    far = 0;
+    std::for_each(std::reverse_iterator(line + kAcross), std::reverse_iterator(line), visit);
+}
+
+// By value: what std::min and std::max do through references g++ 12 makes no vectors of.
+constexpr std::uint8_t lesser(std::uint8_t a, std::uint8_t b) {
+    return a < b ? a : b;
+}
+constexpr std::uint8_t greater(std::uint8_t a, std::uint8_t b) {
+    return a > b ? a : b;
+}
+
+constexpr std::size_t kLines = 32; ///< that lie side by side, as one vector instruction or two take them
+using Side = std::array<std::uint8_t, kLines>;
+
+/// Along such lines, the voxels of each `step` apart: the least over all voxels of a line of how far that one is from
+/// what is not open, along the axes before, or on this line itself, whichever is more.
+void countAlong(std::uint8_t* lines, std::size_t step) {
+    std::array<Side, kAcross> from;
     for (std::size_t i = 0; i < kAcross; ++i)
-        from[i] = line[i * step];
+        std::copy_n(lines + i * step, kLines, from[i].begin());
     for (std::size_t i = 0; i < kAcross; ++i) {
-        std::size_t best = from[i];
-        if (best == 0) continue;
-        best = std::min({best, i + 1, kAcross - i});
-        for (std::size_t k = 1; k < best; ++k)
-            best = std::min(best, std::max<std::size_t>(k, std::min(from[i - k], from[i + k])));
-        line[i * step] = static_cast<std::uint8_t>(best);
+        Side best;
+        const auto toOutside = static_cast<std::uint8_t>(std::min(i + 1, kAcross - i));
+        std::uint8_t most = 0; // of the lines; what lies farther off than that is no nearer to any
+        for (std::size_t l = 0; l < kLines; ++l) {
+            best[l] = lesser(from[i][l], toOutside);
+            most = greater(most, best[l]);
+        }
+        for (std::uint8_t k = 1; k < most; ++k) {
+            const Side &before = from[i - k], &after = from[i + k];
+            most = 0;
+            for (std::size_t l = 0; l < kLines; ++l) {
+                best[l] = lesser(best[l], greater(k, lesser(before[l], after[l])));
+                most = greater(most, best[l]);
+            }
+        }
+        std::copy(best.begin(), best.end(), lines + i * step);
     }
 }
 
@@ -141,15 +175,16 @@ void countRings(Rings& rings) {
     std::transform(rings.begin(), rings.end(), isDivided.begin(),
                    [](std::uint8_t ring) { return std::uint8_t{ring == kDividedVoxel}; });
     std::replace(rings.begin(), rings.end(), std::uint8_t{kDividedVoxel}, std::uint8_t{0});
-    const auto alongAll = [&](std::size_t step, std::size_t per, std::size_t perOther) {
-        tbb::parallel_for(std::size_t{0}, kAcross, [&](std::size_t a) {
-            for (std::size_t b = 0; b < kAcross; ++b)
-                countAlong(&rings[a * per + b * perOther], step);
+    constexpr std::size_t kPlane = kAcross * kAcross;
+    tbb::parallel_for(std::size_t{0}, kPlane, [&](std::size_t line) { countAlongFirst(&rings[line * kAcross]); });
+    const auto alongAll = [&](std::size_t step, std::size_t perOther) {
+        tbb::parallel_for(std::size_t{0}, kAcross, [&](std::size_t other) {
+            for (std::size_t x = 0; x < kAcross; x += kLines)
+                countAlong(&rings[other * perOther + x], step);
         });
     };
-    alongAll(1, kAcross * kAcross, kAcross);
-    alongAll(kAcross, kAcross * kAcross, 1);
-    alongAll(kAcross * kAcross, kAcross, 1);
+    alongAll(kAcross, kPlane);
+    alongAll(kPlane, kAcross);
     for (std::size_t i = 0; i < rings.size(); ++i)
         if (isDivided[i] != 0) rings[i] = kDividedVoxel;
 }

@@ -8,7 +8,7 @@
 namespace render {
 
 struct RescalePass {
-    DescriptorSetLayout layout;   ///< 0 and 1 colours and depths as warped, 2 and 3 the eye's
+    VkDescriptorSetLayout layout = VK_NULL_HANDLE; ///< 0 and 1 colours and depths as warped, 2 and 3 the eye's
     ComputePipeline any, enlarge; ///< enlarge: to a picture that is nowhere smaller, as any does it, but faster
 };
 

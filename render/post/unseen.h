@@ -33,7 +33,7 @@ class GpuCoverage {
     double finestCellMetres_;
     Buffer texels_;
     BufferView view_;
-    DescriptorSetLayout layout_;
+    VkDescriptorSetLayout layout_ = VK_NULL_HANDLE;
     DescriptorPool pool_;
     VkDescriptorSet set_ = VK_NULL_HANDLE;
 };

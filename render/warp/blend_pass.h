@@ -13,7 +13,7 @@ class Device;
 class GpuScene;
 
 struct BlendPass {
-    DescriptorSetLayout layout; ///< 0 draws, 1 sums
+    VkDescriptorSetLayout layout = VK_NULL_HANDLE; ///< 0 draws, 1 sums
     ComputePipeline add, resolve;
 };
 

@@ -20,7 +20,7 @@ struct PolygonPass {
     RenderPass renderPass;
     PipelineLayout layout;
     Pipeline pipeline;
-    DescriptorSetLayout pictureLayout; ///< 0 colours, 1 depths
+    VkDescriptorSetLayout pictureLayout = VK_NULL_HANDLE; ///< 0 colours, 1 depths
     ComputePipeline merge;
     Sampler sampler;
 };

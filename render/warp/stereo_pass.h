@@ -16,7 +16,8 @@
 namespace render {
 
 struct StereoPass {
-    DescriptorSetLayout layout;           ///< 0 pairs, 1 pairs that have passed the test, 2 how many of each run
+    VkDescriptorSetLayout layout =
+        VK_NULL_HANDLE;                   ///< 0 pairs, 1 pairs that have passed the test, 2 how many of each run
     std::array<ComputePipeline, 2> warps; ///< of points and of splats
     ComputePipeline test;
     std::uint32_t testSize = 1; ///< of its workgroup

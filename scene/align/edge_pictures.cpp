@@ -262,15 +262,15 @@ EdgeLevel blurredEdges(const EdgeImage& edges, double sigmaPixels) {
 
 std::vector<EdgePoint> edgePoints(const EdgeImage& edges, int columns, int rows, int mostInPart) {
     constexpr float kLeast = 0.1f;
-    constexpr int kRim = 4; ///< where the picture ends is no edge
+    constexpr int kPictureRim = 4; ///< where the picture ends is no edge
     std::vector<EdgePoint> points, part;
     for (int row = 0; row < rows; ++row)
         for (int column = 0; column < columns; ++column) {
             part.clear();
-            const int x0 = std::max(edges.width() * column / columns, kRim),
-                      x1 = std::min(edges.width() * (column + 1) / columns, edges.width() - kRim);
-            const int y0 = std::max(edges.height() * row / rows, kRim),
-                      y1 = std::min(edges.height() * (row + 1) / rows, edges.height() - kRim);
+            const int x0 = std::max(edges.width() * column / columns, kPictureRim),
+                      x1 = std::min(edges.width() * (column + 1) / columns, edges.width() - kPictureRim);
+            const int y0 = std::max(edges.height() * row / rows, kPictureRim),
+                      y1 = std::min(edges.height() * (row + 1) / rows, edges.height() - kPictureRim);
             for (int y = y0; y < y1; ++y)
                 for (int x = x0; x < x1; ++x) {
                     const glm::vec3& e = edges(x, y);

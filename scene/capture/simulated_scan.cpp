@@ -20,7 +20,6 @@ namespace scene {
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kNadirTurn = -0.25; ///< a scan begins with the mirror looking down, in turns from the horizon
 constexpr double kReferenceIntensity = 0.5 / (kReferenceMetres * kReferenceMetres);
 constexpr double kNearestMetres = 0.1; ///< what is nearer to the mirror is not told from its own reflections

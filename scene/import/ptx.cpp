@@ -18,7 +18,6 @@
 namespace scene {
 namespace {
 
-constexpr std::size_t kHeaderLines = 10;
 constexpr std::uint64_t kShortestPointBytes = 6; ///< "0 0 0\n"
 constexpr std::size_t kOriginSample = 1 << 16;   ///< points that decide where the origin stands
 /// Six decimals are usual and three do occur; beyond this it is no rotation.

@@ -138,8 +138,8 @@ Image<MeshPixel> drawGrid(const Scan& scan, const ScanGrid& grid, const CubeFram
         const bool fallsB =
             std::abs(vertices[kB].range - vertices[kD].range) <= std::abs(vertices[kA].range - vertices[kE].range);
         const std::uint32_t first = fallsB ? 0 : 2, second = fallsB ? 2 : 0;
-        const bool drawn = draw(first) | draw(first + 1);
-        if (!drawn && !draw(second)) draw(second + 1);
+        const bool isFirstDrawn = draw(first), isSecondDrawn = draw(first + 1);
+        if (!isFirstDrawn && !isSecondDrawn && !draw(second)) draw(second + 1);
     };
     tbb::parallel_for(tbb::blocked_range<int>(0, grid.pointOfCell.height() - 1),
                       [&](const tbb::blocked_range<int>& rows) {

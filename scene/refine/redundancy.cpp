@@ -110,21 +110,20 @@ struct KeptPartner {
     float baseline; ///< metres between the two cameras
 };
 
-/// A sample in its own camera: place in the image, disparity, and how far away.
+constexpr float kAnywhere = std::numeric_limits<float>::max();
+
+/// A sample in its own camera: place in the image, and disparity.
 struct Candidate {
-    float x, y, disparity, range;
+    float x, y, disparity;
+    float farthest; ///< metres: who stands farther away than that does not cover it
     bool isGuess;
 };
 
-/// Whether the partner keeps this piece of surface and stands no farther away than maxBaseline times the range.
-bool isCovered(const KeptPartner& partner, const Candidate& sample, float maxBaseline,
-               const ComparisonOptions& options) {
-    if (partner.baseline > maxBaseline * sample.range) return false;
+/// Whether the partner keeps this piece of surface and stands near enough.
+bool isCovered(const KeptPartner& partner, const Candidate& sample, const ComparisonOptions& options) {
+    if (partner.baseline > sample.farthest) return false;
     const Sighting at = sightingOf(partner.into, sample.x, sample.y, sample.disparity);
-    const Camera& camera = partner.image->camera;
-    if (!(at.w > 0) || !(at.u >= 0) || !(at.v >= 0) || !(at.u < static_cast<float>(camera.width)) ||
-        !(at.v < static_cast<float>(camera.height)))
-        return false;
+    if (!isSeenIn(partner.image->camera, at)) return false;
     const int x = static_cast<int>(at.u), y = static_cast<int>(at.v);
     if (partner.kept->samples(x, y) == Keep::no) return false;
     // A guess covers a guess; it never takes the place of what was measured.
@@ -143,7 +142,8 @@ class Keeper {
             kept_.emplace_back(images.at(i).camera);
     }
 
-    std::int64_t keep(std::span<const RankedTile> tiles, Keep tier, float maxBaseline) {
+    /// baselineShare: of a sample's range; who stands farther away does not cover it.
+    std::int64_t keep(std::span<const RankedTile> tiles, Keep tier, float baselineShare) {
         const std::uint32_t self = tiles.front().image;
         const ImageStore::Lease image = images_.borrow(self);
         std::vector<ImageStore::Lease> leases;
@@ -158,7 +158,7 @@ class Keeper {
         }
         std::atomic<std::int64_t> count = 0;
         tbb::parallel_for(std::size_t{0}, tiles.size(),
-                          [&](std::size_t t) { count += keepTile(tiles[t], *image, before, tier, maxBaseline); });
+                          [&](std::size_t t) { count += keepTile(tiles[t], *image, before, tier, baselineShare); });
         for (const RankedTile& tile : tiles)
             kept_[self].noteChanges(pixelsOf(tile, *image));
         hasKept_[self] = 1;
@@ -205,7 +205,7 @@ class Keeper {
     }
 
     std::int64_t keepTile(const RankedTile& tile, const DepthImage& image, const std::vector<KeptPartner>& all,
-                          Keep tier, float maxBaseline) {
+                          Keep tier, float baselineShare) {
         const PixelBox pixels = pixelsOf(tile, image);
         const std::vector<KeptPartner> before = partnersAbout(pixels, image, all);
         std::int64_t count = 0, wanted = 0, there = 0;
@@ -217,12 +217,13 @@ class Keeper {
                 if (guess ? tier == Keep::base : !isSurface(image.flags(x, y))) continue;
                 ++there;
                 if (mine != Keep::no) continue;
-                Candidate sample{static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f, image.disparity(x, y), 0,
-                                 guess};
-                sample.range = glm::length(glm::vec3(rayThrough(image.camera, x + 0.5, y + 0.5))) / sample.disparity;
-                const auto covers = [&](std::size_t p) {
-                    return isCovered(before[p], sample, maxBaseline, options_.comparison);
-                };
+                Candidate sample{static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f, image.disparity(x, y),
+                                 kAnywhere, guess};
+                if (baselineShare < kAnywhere)
+                    sample.farthest =
+                        baselineShare *
+                        (glm::length(glm::vec3(rayThrough(image.camera, x + 0.5, y + 0.5))) / sample.disparity);
+                const auto covers = [&](std::size_t p) { return isCovered(before[p], sample, options_.comparison); };
                 bool covered = likely < before.size() && covers(likely);
                 for (std::size_t p = 0; p < before.size() && !covered; ++p)
                     if (covers(p)) covered = true, likely = p;
@@ -294,9 +295,7 @@ std::vector<Image<Keep>> findKept(ImageStore& images, const std::vector<std::vec
     forRuns(
         ranked,
         [&](const RankedTile& a, const RankedTile& b) { return a.image == b.image && classOf(a) == classOf(b); },
-        [&](std::span<const RankedTile> run) {
-            figures.base += keeper.keep(run, Keep::base, std::numeric_limits<float>::max());
-        });
+        [&](std::span<const RankedTile> run) { figures.base += keeper.keep(run, Keep::base, kAnywhere); });
     if (options.baselineShare > 0) {
         // In the order of the capture: along a path this spaces the kept images evenly.
         for (const auto& tiles : tilesOf)

@@ -1,5 +1,7 @@
 #include "scene/refine/silhouettes.h"
 
+#include "scene/refine/patch_cost.h"
+
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -94,26 +96,18 @@ Image<Sides> findSides(const DepthImage& image, const SilhouetteOptions& options
 }
 
 /// What is compared: the colours about a pixel, and how much each counts.
-struct Patch {
-    struct Sample {
-        float dx, dy, weight;
-        glm::vec3 colour;
-    };
-    std::vector<Sample> samples;
-
-    void take(const DepthImage& image, int x, int y, const SilhouetteOptions& options) {
-        samples.clear();
-        const glm::vec3 middle = colourOf(image, x, y);
-        const int r = options.patchRadius;
-        for (int j = std::max(y - r, 0); j <= std::min(y + r, image.camera.height - 1); ++j)
-            for (int i = std::max(x - r, 0); i <= std::min(x + r, image.camera.width - 1); ++i) {
-                const glm::vec3 colour = colourOf(image, i, j);
-                const float weight = std::exp(-differenceOf(colour, middle) / options.colourStep);
-                if (weight > 0.05f)
-                    samples.push_back({static_cast<float>(i - x), static_cast<float>(j - y), weight, colour});
-            }
-    }
-};
+void takePatch(const DepthImage& image, int x, int y, const SilhouetteOptions& options, PatchSamples& patch) {
+    patch.clear();
+    const glm::vec3 middle = colourOf(image, x, y);
+    const int r = options.patchRadius;
+    for (int j = std::max(y - r, 0); j <= std::min(y + r, image.camera.height - 1); ++j)
+        for (int i = std::max(x - r, 0); i <= std::min(x + r, image.camera.width - 1); ++i) {
+            const glm::vec3 colour = colourOf(image, i, j);
+            const float weight = std::exp(-differenceOf(colour, middle) / options.colourStep);
+            if (weight > 0.05f) patch.add(static_cast<float>(i - x), static_cast<float>(j - y), weight, colour);
+        }
+    patch.pad();
+}
 
 /// A photograph that is asked.
 struct Witness {
@@ -123,7 +117,7 @@ struct Witness {
 
 /// How much the patch's colours differ from the witness's if its middle (x, y) lies at that disparity; below 0 if the
 /// witness has no view of it. Patches are small: within one, places in the witness are affine.
-float costOf(const Witness& witness, const Patch& patch, float x, float y, float disparity,
+float costOf(const Witness& witness, const PatchSamples& patch, float x, float y, float disparity,
              const SilhouetteOptions& options) {
     const DepthImage& image = *witness.image;
     const Sighting middle = sightingOf(witness.into, x, y, disparity);
@@ -140,14 +134,8 @@ float costOf(const Witness& witness, const Patch& patch, float x, float y, float
         !(middle.v < static_cast<float>(image.camera.height) - reachV))
         return -1;
     if (compareWith(image, middle, options.comparison).relation == Relation::behind) return -1;
-    float sum = 0, weights = 0;
-    for (const Patch::Sample& sample : patch.samples) {
-        const glm::vec3 colour = colourWithin(image, middle.u + sample.dx * uByX + sample.dy * uByY,
-                                              middle.v + sample.dx * vByX + sample.dy * vByY);
-        sum += sample.weight * std::min(differenceOf(colour, sample.colour), options.mostDifference);
-        weights += sample.weight;
-    }
-    return sum / weights;
+    const PatchPlaces places{middle.u, middle.v, uByX, uByY, vByX, vByY};
+    return sumOfDifferences(image.colour, patch, places, options.mostDifference) / patch.weightOfAll();
 }
 
 constexpr std::size_t kLeastWitnesses = 2;
@@ -166,9 +154,9 @@ float betterHalf(std::vector<float>& costs) {
 /// How much better the far side of (x, y) fits than the near one; NaN where nobody can say.
 float gainOfFar(const DepthImage& image, int x, int y, const Sides& side, const std::vector<Witness>& witnesses,
                 const SilhouetteOptions& options) {
-    static thread_local Patch patch;
+    static thread_local PatchSamples patch;
     static thread_local std::vector<float> ofNear, ofFar;
-    patch.take(image, x, y, options);
+    takePatch(image, x, y, options, patch);
     ofNear.clear(), ofFar.clear();
     const float px = static_cast<float>(x) + 0.5f, py = static_cast<float>(y) + 0.5f;
     for (const Witness& witness : witnesses) {

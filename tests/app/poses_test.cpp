@@ -29,6 +29,8 @@ using testing::Not;
 
 const std::string kRevisit = REVISIT_PROGRAM;
 constexpr int kImages = 36;
+/// What comes after the poses, where only they are looked at.
+const std::vector<std::string> kPosesAlone{"--no-silhouettes", "--no-fuse"};
 
 /// A capture of the room with noise, and the same with other poses in its transforms.json, made once.
 class Poses : public testing::Test {
@@ -69,6 +71,11 @@ class Poses : public testing::Test {
         std::vector<std::string> command{kRevisit, "build", path(capture), "-o", path(scene)};
         command.insert(command.end(), options.begin(), options.end());
         return run(command, folder());
+    }
+    static Outcome layPoses(const std::string& capture, const std::string& scene,
+                            std::vector<std::string> options = {}) {
+        options.insert(options.end(), kPosesAlone.begin(), kPosesAlone.end());
+        return build(capture, scene, options);
     }
     /// Where the images of a scene stand, in the order of the capture.
     static std::vector<scene::Pose> posesOf(const std::string& scene, const char* list = "images") {
@@ -134,14 +141,14 @@ TEST_F(Poses, ThoseThatAreRightOrGivenForGoodStayAsTheyAre) {
     expectAsSaid("right.revisit", "true");
     const Outcome told = run({kRevisit, "info", path("right.revisit")}, folder());
     EXPECT_THAT(told.output, ContainsRegex("poses      as given.*: surfaces lie on each other to 0\\.0[0-9]*[1-9]"));
-    const Outcome given = build("off", "given.revisit", {"--register", "given"});
+    const Outcome given = layPoses("off", "given.revisit", {"--register", "given"});
     EXPECT_THAT(given.output, Not(HasSubstr("poses")));
     expectAsSaid("given.revisit", "off");
     EXPECT_TRUE(readJson(path("given.revisit") + "/scene.json").at("poses").is_null());
 }
 
 TEST_F(Poses, WhatIsHeldOutIsFollowedAndChangesNothing) {
-    ASSERT_EQ(build("off", "held.revisit", {"--hold-out", "every:12:5"}).status, 0);
+    ASSERT_EQ(layPoses("off", "held.revisit", {"--hold-out", "every:12:5"}).status, 0);
     const std::vector<scene::Pose> kept = posesOf("held.revisit"), out = posesOf("held.revisit", "held_out");
     const std::vector<scene::Pose> truth = saidBy("true");
     ASSERT_EQ(out.size(), 3u);
@@ -159,7 +166,7 @@ TEST_F(Poses, WhatIsHeldOutIsFollowedAndChangesNothing) {
         frames.erase(gone);
     std::filesystem::copy(path("off"), path("fewer"), std::filesystem::copy_options::recursive);
     std::ofstream(path("fewer/transforms.json")) << transforms.dump();
-    ASSERT_EQ(build("fewer", "fewer.revisit").status, 0);
+    ASSERT_EQ(layPoses("fewer", "fewer.revisit").status, 0);
     EXPECT_TRUE(readJson(path("held.revisit") + "/scene.json").at("images") ==
                 readJson(path("fewer.revisit") + "/scene.json").at("images"));
 }
@@ -170,7 +177,7 @@ TEST_F(Poses, APhotographOfAnotherPlaceIsNamedAndLeftWhereItWas) {
     json& frames = transforms.at("frames");
     frames.at(5).at("transform_matrix") = frames.at(17).at("transform_matrix");
     std::ofstream(path("strange/transforms.json")) << transforms.dump();
-    const Outcome built = build("strange", "strange.revisit");
+    const Outcome built = layPoses("strange", "strange.revisit");
     ASSERT_EQ(built.status, 0) << built.output;
     EXPECT_THAT(built.output, HasSubstr("stands where it was said to stand: the others do not say where it belongs."));
     const json images = readJson(path("strange.revisit") + "/scene.json").at("poses").at("images");
@@ -179,13 +186,13 @@ TEST_F(Poses, APhotographOfAnotherPlaceIsNamedAndLeftWhereItWas) {
 }
 
 TEST_F(Poses, TooManyForTheMemoryStayWhereTheyAre) {
-    const Outcome built = build("off", "small.revisit", {"--memory", "5M"});
+    const Outcome built = layPoses("off", "small.revisit", {"--memory", "5M"});
     ASSERT_EQ(built.status, 0) << built.output;
     EXPECT_THAT(built.output, HasSubstr("36 are too many to be laid on each other within --memory"));
 }
 
 TEST_F(Poses, ThatPicturesAreCoarserForLackOfMemoryIsSaid) {
-    const Outcome built = build("off", "coarse.revisit", {"--memory", "16M"});
+    const Outcome built = layPoses("off", "coarse.revisit", {"--memory", "16M"});
     ASSERT_EQ(built.status, 0) << built.output;
     EXPECT_THAT(built.output, HasSubstr("by pictures 160 pixels across instead of 320"));
     const json poses = readJson(path("coarse.revisit") + "/scene.json").at("poses");

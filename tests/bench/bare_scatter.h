@@ -26,7 +26,7 @@ class BareScatter {
     int width_, height_;
     std::size_t samples_ = 0;
     Buffer records_, zBuffer_;
-    DescriptorSetLayout layout_;
+    VkDescriptorSetLayout layout_ = VK_NULL_HANDLE;
     DescriptorPool pool_;
     VkDescriptorSet set_ = VK_NULL_HANDLE;
     ComputePipeline pipeline_;

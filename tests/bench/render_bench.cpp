@@ -217,7 +217,7 @@ void eyesAtOnceAgainstInTurn(benchmark::State& state) {
     // 140 x 140 tiles of 4 x 4 samples in each of six images: more than 100,000.
     const CutScene fine = roomFromWithin(560, 4);
     const GpuScene scene(benchDevice(), fine.blocks());
-    const DescriptorSetLayout eyeLayout = makeEyeLayout(benchDevice());
+    const VkDescriptorSetLayout eyeLayout = makeEyeLayout(benchDevice());
     const auto passOf = [&](Warp warp) { return makeWarpPass(benchDevice(), warp, scene.pageLayout(), eyeLayout); };
     const WarpPasses warps{passOf(Warp::points), passOf(Warp::mesh), passOf(Warp::adaptive), passOf(Warp::splats)};
     CommandStreams streams(benchDevice(), 2);

@@ -110,29 +110,27 @@ class Truth {
     }
 
   private:
-    /// The point and four places a spacing beside it, as the scanner sees them.
-    template <class Visit>
-    static void around(const glm::dvec3& scanner, const glm::dvec3& p, Visit&& visit) {
+    /// From the scanner to the point and to four places a spacing beside it.
+    static std::array<glm::dvec3, 5> raysAbout(const glm::dvec3& scanner, const glm::dvec3& p) {
         const glm::dvec3 ray = p - scanner;
         const double step = glm::length(ray) * kSpacing;
         const glm::dvec3 side = glm::normalize(
             glm::cross(ray, std::abs(ray.z) < 0.9 * glm::length(ray) ? glm::dvec3(0, 0, 1) : glm::dvec3(1, 0, 0)));
         const glm::dvec3 up = glm::normalize(glm::cross(side, ray));
-        for (const glm::dvec3& offset : {glm::dvec3(0), step * side, -step * side, step * up, -step * up})
-            if (!visit(ray + offset)) return;
+        return {ray, ray + step * side, ray - step * side, ray + step * up, ray - step * up};
     }
     enum class Reach { none, some, all };
 
     /// All: every ray has an echo, at the point or behind it. None: not one, by the scan's spacing.
     Reach reachOf(const glm::dvec3& scanner, const glm::dvec3& p) const {
+        const std::array<glm::dvec3, 5> rays = raysAbout(scanner, p);
+        const auto hits = place_.truth.tracer().castTogether(scanner, rays);
         bool isAny = false, areAll = true;
-        around(scanner, p, [&](const glm::dvec3& ray) {
-            const double height = ray.z / glm::length(ray);
-            const auto hit = height > lowestForAny_ ? place_.truth.tracer().cast(scanner, ray) : std::nullopt;
-            isAny = isAny || (hit && hit->t > 1 - kSpacing);
-            areAll = areAll && hit && height > lowestForAll_ && hit->t >= 1;
-            return areAll || !isAny;
-        });
+        for (std::size_t i = 0; i < rays.size(); ++i) {
+            const double height = rays[i].z / glm::length(rays[i]);
+            isAny = isAny || (hits[i] && height > lowestForAny_ && hits[i]->t > 1 - kSpacing);
+            areAll = areAll && hits[i] && height > lowestForAll_ && hits[i]->t >= 1;
+        }
         return areAll ? Reach::all : isAny ? Reach::some : Reach::none;
     }
 

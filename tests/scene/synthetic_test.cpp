@@ -1,6 +1,9 @@
 #include "scene/synthetic.h"
 
 #include "scene/synthetic_model.h"
+#include "scene/synthetic_tracer.h"
+
+#include "tests/scene/random_poses.h"
 
 #include <algorithm>
 #include <cmath>
@@ -155,6 +158,34 @@ TEST_P(EachScene, ColourOfAPointIsTheSameFromAllViews) {
     EXPECT_GT(compared, 2000);
     // A point on the very edge of a shadow or between two surfaces may fall to either side of it.
     EXPECT_LE(different, compared / 500);
+}
+
+TEST_P(EachScene, RaysTogetherHitWhatEachHitsAlone) {
+    const SyntheticTracer& tracer = synthetic().tracer();
+    RandomPlaces random(5);
+    int hits = 0, rounds = 0;
+    for (const View& view : walkPath(synthetic(), 20, smallCamera()))
+        for (int packet = 0; packet < 500; ++packet) {
+            // As close together as neighbours in a scan, or anywhere.
+            const double apart = packet % 2 == 0 ? 0.01 : 1;
+            const glm::dvec3 eye = view.worldFromEye.translation, middle = random.point(1);
+            std::vector<glm::dvec3> rays(
+                static_cast<std::size_t>(random.integerBetween(1, SyntheticTracer::kTogether)));
+            for (glm::dvec3& ray : rays)
+                ray = middle + random.point(apart);
+            const auto together = tracer.castTogether(eye, rays);
+            for (std::size_t i = 0; i < together.size(); ++i) {
+                const auto alone = i < rays.size() ? tracer.cast(eye, rays[i]) : std::nullopt;
+                // Where two surfaces meet either may be named.
+                ASSERT_EQ(together[i].has_value(), alone.has_value()) << "ray " << i << " of packet " << packet;
+                if (!alone) continue;
+                ASSERT_NEAR(together[i]->t, alone->t, 1e-12 * alone->t) << "ray " << i << " of packet " << packet;
+                ++hits;
+                rounds += alone->kind == SurfaceKind::round;
+            }
+        }
+    EXPECT_GT(hits, 10000);
+    EXPECT_GT(rounds, 20);
 }
 
 TEST_P(EachScene, OneThreadAndTwoGiveTheSameBytes) {
