@@ -17,7 +17,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr int kSilhouetteVersion = 1;
+constexpr int kSilhouetteVersion = 2;
 
 /// How many images may be worked on at a time, each with as many partners, if all are as large as the largest.
 std::size_t groupsWithin(std::size_t bytes, const std::vector<scene::StoredImage>& images, int partners) {

@@ -1,5 +1,5 @@
 # Tests of what stands between import and plan: the warp on the processor, comparing images, refine, dropouts.
-revisit_test(revisit_refine_tests WHOLE LABELS unit TIMEOUT 300 LINKS scene scene_project scene_refine TBB::tbb
+revisit_test(revisit_refine_tests WHOLE LABELS unit TIMEOUT 300 LINKS scene scene_project scene_refine TBB::tbb PkgConfig::HWY
     SOURCES
         scene/density_test.cpp
         scene/footprint_test.cpp

@@ -25,7 +25,8 @@ float differencesOf(const std::uint8_t* bytes, int width, const PatchSamples& pa
     const auto toNumber = [&](const auto& byte) HWY_ATTR { return hn::ConvertTo(floats, hn::And(byte, byteMask)); };
     const auto mix = [&](const auto& a, const auto& b, const auto& share)
                          HWY_ATTR { return hn::Add(a, hn::Mul(share, hn::Sub(b, a))); };
-    auto sum = hn::Zero(floats);
+    // Sixteen sums whatever the width of a vector is: rounding must not depend on the processor.
+    HWY_ALIGN float sums[PatchSamples::kMostLanes] = {};
     for (std::size_t i = 0; i < patch.padded(); i += hn::Lanes(floats)) {
         const auto dx = hn::LoadU(floats, &patch.dx[i]), dy = hn::LoadU(floats, &patch.dy[i]);
         const auto left =
@@ -50,9 +51,14 @@ float differencesOf(const std::uint8_t* bytes, int width, const PatchSamples& pa
         const auto blue = apart(hn::ShiftRight<16>(a), hn::ShiftRight<24>(b), hn::ShiftRight<16>(c),
                                 hn::ShiftRight<24>(d), patch.blue.data());
         const auto mean = hn::Mul(hn::Add(hn::Add(red, green), blue), set(1.0f / 3));
-        sum = hn::Add(sum, hn::Mul(hn::LoadU(floats, &patch.weight[i]), hn::Min(mean, set(most))));
+        float* const sum = sums + i % PatchSamples::kMostLanes;
+        const auto weighed = hn::Mul(hn::LoadU(floats, &patch.weight[i]), hn::Min(mean, set(most)));
+        hn::Store(hn::Add(hn::Load(floats, sum), weighed), floats, sum);
     }
-    return hn::GetLane(hn::SumOfLanes(floats, sum));
+    for (std::size_t half = PatchSamples::kMostLanes / 2; half > 0; half /= 2)
+        for (std::size_t k = 0; k < half; ++k)
+            sums[k] += sums[k + half];
+    return sums[0];
 }
 
 } // namespace HWY_NAMESPACE

@@ -10,11 +10,35 @@
 #include <cmath>
 
 #include <gtest/gtest.h>
+#include <hwy/highway.h>
 
 namespace scene {
 namespace {
 
-TEST(PatchCost, IsThatOfEachSampleUpToTheLastPixel) {
+class PatchCost : public testing::Test {
+  protected:
+    void TearDown() override { choose(0); }
+
+    /// 0: all vector widths again.
+    static void choose(std::int64_t targets) {
+        hwy::SetSupportedTargetsForTest(targets);
+        hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+    }
+
+    /// The same bits by every width that this processor has.
+    static float sumByAll(const Image<Rgb8>& photograph, const PatchSamples& patch, const PatchPlaces& places,
+                          float most) {
+        choose(0);
+        const float sum = sumOfDifferences(photograph, patch, places, most);
+        for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
+            choose(target);
+            EXPECT_EQ(sumOfDifferences(photograph, patch, places, most), sum) << hwy::TargetName(target);
+        }
+        return sum;
+    }
+};
+
+TEST_F(PatchCost, IsThatOfEachSampleUpToTheLastPixelByVectorsOfAnyWidth) {
     RandomPlaces random(3);
     DepthImage photograph = imageOf({23, 17, 20, 20, 11, 8}, {}, [](double, double) { return 1.0; });
     for (Rgb8& colour : photograph.colour.pixels()) {
@@ -45,14 +69,14 @@ TEST(PatchCost, IsThatOfEachSampleUpToTheLastPixel) {
             }
         patch.pad();
         ASSERT_NEAR(patch.weightOfAll(), weights, 1e-5);
-        ASSERT_NEAR(sumOfDifferences(photograph.colour, patch, places, kMost), sum, 2e-3) << "round " << round;
+        ASSERT_NEAR(sumByAll(photograph.colour, patch, places, kMost), sum, 2e-3) << "round " << round;
     }
     // The very last pixels.
     PatchSamples patch;
     patch.add(0, 0, 1, glm::vec3(0));
     patch.pad();
     const Rgb8 last = photograph.colour(22, 16);
-    EXPECT_NEAR(sumOfDifferences(photograph.colour, patch, {22.4999f, 16.4999f, 0, 0, 0, 0}, 255),
+    EXPECT_NEAR(sumByAll(photograph.colour, patch, {22.4999f, 16.4999f, 0, 0, 0, 0}, 255),
                 (last.r + last.g + last.b) / 3.0, 0.1);
 }
 
