@@ -1,9 +1,14 @@
 #include "render/check.h"
 #include "render/device_choice.h"
+#include "render/pipeline.h"
+#include "render/target.h"
+#include "render/warp/occlusion_pass.h"
 #include "scene/errors.h"
 #include "tests/render/test_device.h"
 
+#include <array>
 #include <cstdlib>
+#include <span>
 
 namespace render {
 namespace {
@@ -45,6 +50,24 @@ TEST(Device, SaysWhyThereIsNone) {
         setenv("REVISIT_DEVICE", kept.c_str(), 1);
     else
         unsetenv("REVISIT_DEVICE");
+}
+
+class PipelineStoreTest : public RenderTest {};
+
+TEST_F(PipelineStoreTest, MakesWhatIsTheSameOnce) {
+    const Device& device = testDevice();
+    const std::array bindings{Binding::storage, Binding::texels};
+    const VkDescriptorSetLayout layout = makeSetLayout(device, bindings);
+    EXPECT_EQ(makeSetLayout(device, bindings), layout);
+    EXPECT_NE(makeSetLayout(device, std::span(bindings).first(1)), layout);
+    EXPECT_NE(makeSetLayout(device, bindings, VK_SHADER_STAGE_FRAGMENT_BIT), layout);
+
+    const VkDescriptorSetLayout eye = makeEyeLayout(device);
+    const OcclusionPass one = makeOcclusionPass(device, eye), again = makeOcclusionPass(device, eye);
+    EXPECT_EQ(again.cull.pipeline, one.cull.pipeline);
+    EXPECT_EQ(again.cull.layout, one.cull.layout);
+    EXPECT_EQ(again.occluders.pipeline, one.occluders.pipeline);
+    EXPECT_NE(one.cull.pipeline, one.occluders.pipeline);
 }
 
 TEST(Check, ThrowsWithTheLineThatAsked) {
