@@ -32,14 +32,12 @@ Coverage coverOf(std::vector<DepthImage> images, const CoverOptions& options = {
 }
 
 /// What the images' own samples say of a point: observed if it is before some image's sample there. dx, dy: asked as
-/// many samples beside, of a size that nearer than cells become smaller stays what it is there; stretch: of the point's
-/// disparity.
+/// many samples beside; stretch: of the point's disparity.
 bool isObservedAt(const std::vector<DepthImage>& images, const glm::dvec3& p, double dx, double dy, double stretch) {
     return std::ranges::any_of(images, [&](const DepthImage& image) {
         const glm::dvec3 inCamera = inverse(image.worldFromCamera) * p;
         if (inCamera.z <= 0) return false;
-        const double scale = std::max(1.0, CoverOptions{}.nearestMetres / inCamera.z);
-        const glm::dvec2 at = project(image.camera, inCamera) + scale * glm::dvec2(dx, dy);
+        const glm::dvec2 at = project(image.camera, inCamera) + glm::dvec2(dx, dy);
         if (!(at.x >= 0 && at.y >= 0 && at.x < image.camera.width && at.y < image.camera.height)) return false;
         const int x = static_cast<int>(at.x), y = static_cast<int>(at.y);
         return isDrawable(image.flags(x, y)) && stretch / inCamera.z >= double{image.disparity(x, y)};
@@ -55,24 +53,14 @@ bool isClear(const std::vector<DepthImage>& images, const glm::dvec3& p, bool ob
     return true;
 }
 
-/// To the nearest sample; each reaches half way to the next of its surface, which on a floor may be far behind.
 double distanceToSamples(const std::vector<DepthImage>& images, const glm::dvec3& p) {
     double least = 1e9;
-    for (const DepthImage& image : images) {
-        const auto placeOf = [&](int x, int y) {
-            return pointInWorld(image, x + 0.5, y + 0.5, double{image.disparity(x, y)});
-        };
-        for (int y = 0; y + 1 < image.camera.height; ++y)
-            for (int x = 0; x + 1 < image.camera.width; ++x) {
-                if (!isSurface(image.flags(x, y)) || !(image.disparity(x, y) > 0)) continue;
-                const glm::dvec3 place = placeOf(x, y);
-                double reach = 0;
-                for (const auto& [i, j] : {std::pair(x + 1, y), std::pair(x, y + 1)})
-                    if (isSurface(image.flags(i, j)) && (image.flags(x, y) & (kSkinUpper | kSkinLower)) == 0)
-                        reach = std::max(reach, glm::length(placeOf(i, j) - place) / 2);
-                least = std::min(least, glm::length(place - p) - reach);
-            }
-    }
+    for (const DepthImage& image : images)
+        for (int y = 0; y < image.camera.height; ++y)
+            for (int x = 0; x < image.camera.width; ++x)
+                if (isSurface(image.flags(x, y)) && image.disparity(x, y) > 0)
+                    least = std::min(
+                        least, glm::length(pointInWorld(image, x + 0.5, y + 0.5, double{image.disparity(x, y)}) - p));
     return least;
 }
 
@@ -80,7 +68,7 @@ void expectAgrees(const Coverage& coverage, const std::vector<DepthImage>& image
     std::mt19937 random(11);
     const auto uniform = [&] {
         glm::dvec3 p;
-        for (int axis = 0; axis < 3; ++axis) // arguments of a call have no order
+        for (const int axis : {2, 1, 0}) // one after the other: the arguments of a call have no order
             p[axis] = static_cast<double>(random()) / 4294967296.0;
         return p;
     };
