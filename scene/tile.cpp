@@ -145,12 +145,25 @@ struct Whole {
 /// Places this small hold too few samples for scraps to save anything.
 constexpr int kLeastScrapPlace = 16;
 
+/// Which surfaces share a scrap: those whose disparities have the same power of four below them.
+Image<std::int8_t> distancesOf(const DepthImage& image) {
+    constexpr std::int8_t kInfinitelyFar = std::numeric_limits<std::int8_t>::min(); // below any float's
+    Image<std::int8_t> distances(image.camera.width, image.camera.height, kInfinitelyFar);
+    for (std::size_t i = 0; i < distances.size(); ++i)
+        if (const float disparity = image.disparity.pixels()[i]; disparity > 0)
+            distances.pixels()[i] = static_cast<std::int8_t>(std::ilogb(disparity) >> 1);
+    return distances;
+}
+
 /// Cuts one tier of an image: full places into tiles of their own, the rest into scraps.
 class TierCutter {
   public:
-    TierCutter(const DepthImage& image, Tier tier, int tileSize)
-        : image_(image), tier_(tier), tileSize_(tileSize), columns_(placesIn(image.camera.width)),
-          rows_(placesIn(image.camera.height)), isScrap_(static_cast<std::size_t>(columns_) * rows_) {
+    TierCutter(const DepthImage& image, const Image<std::int8_t>& distances, Tier tier, int tileSize)
+        : image_(image), distances_(distances), tier_(tier), tileSize_(tileSize),
+          columns_(placesIn(image.camera.width)), rows_(placesIn(image.camera.height)),
+          isScrap_(static_cast<std::size_t>(columns_) * rows_) {
+        for (int i = 0; i < std::max(image.camera.width, image.camera.height); ++i)
+            placeOf_.push_back(i / tileSize);
         for (int row = 0; row < rows_; ++row)
             for (int column = 0; column < columns_; ++column)
                 isScrap_[static_cast<std::size_t>(row) * columns_ + column] = isSparse(column, row);
@@ -192,34 +205,33 @@ class TierCutter {
     }
 
     bool isScrapAt(int x, int y) const {
-        return isScrap_[static_cast<std::size_t>(y / tileSize_) * columns_ + x / tileSize_] != 0;
-    }
-
-    /// Which surfaces share a scrap: those whose disparities have the same power of four below them.
-    int distanceOf(int x, int y) const {
-        const float disparity = image_.disparity(x, y);
-        return disparity > 0 ? std::ilogb(disparity) >> 1 : std::numeric_limits<int>::min();
+        const int row = placeOf_[static_cast<std::size_t>(y)], column = placeOf_[static_cast<std::size_t>(x)];
+        return isScrap_[static_cast<std::size_t>(row) * columns_ + column] != 0;
     }
 
     /// A square is as far as its top right sample, which any triangle of it has.
     struct Scrap {
         const TierCutter& cutter;
         int distance;
-        bool hasSample(int x, int y) const { return cutter.isScrapAt(x, y) && cutter.distanceOf(x, y) == distance; }
+        bool hasSample(int x, int y) const { return cutter.isScrapAt(x, y) && cutter.distances_(x, y) == distance; }
         bool hasSquare(int x, int y) const {
             const DepthImage& image = cutter.image_;
             return cutter.isScrapAt(x, y) && x + 1 < image.camera.width && isDrawable(image.flags(x + 1, y)) &&
-                   cutter.distanceOf(x + 1, y) == distance;
+                   cutter.distances_(x + 1, y) == distance;
         }
     };
+
+    /// There are few.
+    static void note(std::vector<int>& distances, int distance) {
+        if (std::find(distances.begin(), distances.end(), distance) == distances.end()) distances.push_back(distance);
+    }
 
     void appendScraps(const Cut& cut, TileSet& set) const {
         std::vector<int> distances;
         for (int y = cut.y0; y < cut.y0 + cut.height; ++y)
             for (int x = cut.x0; x < std::min(cut.x0 + cut.width + 1, image_.camera.width); ++x)
-                if (isDrawable(image_.flags(x, y))) distances.push_back(distanceOf(x, y));
+                if (isDrawable(image_.flags(x, y))) note(distances, distances_(x, y));
         std::sort(distances.begin(), distances.end());
-        distances.erase(std::unique(distances.begin(), distances.end()), distances.end());
         for (const int distance : distances) {
             const Scrap scrap{*this, distance};
             TileCutter(image_, cut, scrap).appendTo(set);
@@ -227,9 +239,11 @@ class TierCutter {
     }
 
     const DepthImage& image_;
+    const Image<std::int8_t>& distances_; ///< see distancesOf
     Tier tier_;
     int tileSize_, columns_, rows_;
     std::vector<std::uint8_t> isScrap_;
+    std::vector<int> placeOf_; ///< of a row or column of samples
 };
 
 } // namespace
@@ -237,8 +251,9 @@ class TierCutter {
 TileSet cutIntoTiles(const DepthImage& image, int tileSize) {
     assert(tileSize >= 1 && tileSize <= kMaxTileSize);
     TileSet set;
+    const Image<std::int8_t> distances = distancesOf(image);
     for (const Tier tier : {Tier::base, Tier::directional, Tier::guess})
-        TierCutter(image, tier, tileSize).appendTo(set);
+        TierCutter(image, distances, tier, tileSize).appendTo(set);
     return set;
 }
 

@@ -16,6 +16,7 @@ revisit_test(revisit_refine_tests WHOLE LABELS unit TIMEOUT 300 LINKS scene scen
         scene/refine/silhouettes_test.cpp
         scene/refine/skins_test.cpp
         scene/reprojection_test.cpp
+        scene/sample_comparison_test.cpp
         scene/warp_test.cpp)
 
 # What the build reads and keeps: its own depth images, and captures made of pictures.

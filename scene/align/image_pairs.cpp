@@ -5,6 +5,7 @@
 
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
+#include <hwy/cache_control.h>
 
 namespace scene {
 
@@ -50,6 +51,24 @@ bool isWithin(const Image<float>& picture, double u, double v) {
     return u >= 1 && v >= 1 && u <= picture.width() - 1 && v <= picture.height() - 1;
 }
 
+/// Samples of a pair are far apart: what will be read about the next ones is in no cache, unless it is asked for
+/// before.
+void prefetchAbout(const Image<float>& picture, double u, double v) {
+    const int x = std::min(static_cast<int>(u), picture.width() - 1),
+              y = std::min(static_cast<int>(v), picture.height() - 1);
+    hwy::Prefetch(&picture(x, y));
+    hwy::Prefetch(&picture(x, std::max(y - 1, 0)));
+}
+
+/// As widenSlope reads it.
+void prefetchAbout(const DepthImage& image, double u, double v) {
+    const int x = static_cast<int>(u), y = static_cast<int>(v);
+    for (const int row : {std::max(y - kAbout, 0), std::min(y + kAbout, image.camera.height - 1)}) {
+        hwy::Prefetch(&image.disparity(x, row));
+        hwy::Prefetch(&image.flags(x, row));
+    }
+}
+
 /// slope: of the residual with the point of the world.
 void add(ImagePairSums& sums, const glm::dvec3& slope, const glm::dvec3& arm, double residual, double scale) {
     const double times = residual / scale, outside = 1 + times * times;
@@ -67,7 +86,9 @@ void add(ImagePairSums& sums, const glm::dvec3& slope, const glm::dvec3& arm, do
 } // namespace
 
 void SizeCounts::add(double size) {
-    const double step = size > kSmallest ? kPerDecade * std::log10(size / kSmallest) : 0;
+    // Steps are wide enough for single precision, whose logarithm takes half the time.
+    constexpr float kPerDoubling = kPerDecade * 0.30102999566f;
+    const float step = size > kSmallest ? kPerDoubling * std::log2(static_cast<float>(size / kSmallest)) : 0;
     ++counts_[static_cast<std::size_t>(std::min(static_cast<int>(step), kPerDecade * kDecades - 1))];
     ++count_;
 }
@@ -87,47 +108,63 @@ double SizeCounts::median() const {
     return kSmallest * std::pow(10, (static_cast<double>(step) + 0.5) / kPerDecade);
 }
 
-ImagePairSums comparePair(const ImageSketch& a, const Pose& worldFromA, const ImageSketch& b, const Pose& worldFromB,
-                          const glm::dvec3& pivotInWorld, const ImagePairOptions& options, ResidualSizes& sizes) {
+SampleComparison samplesOf(const ImageSketch& sketch, int step) {
+    const Camera& camera = sketch.depth.camera;
+    SampleComparison samples(((camera.width - 1) / step + 1) * ((camera.height - 1) / step + 1));
+    for (int y = step / 2; y < camera.height; y += step)
+        for (int x = step / 2; x < camera.width; x += step)
+            if (isSurface(sketch.depth.flags(x, y)))
+                samples.add(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f, sketch.depth.disparity(x, y));
+    return samples;
+}
+
+ImagePairSums comparePair(const ImageSketch& a, SampleComparison& samples, const Pose& worldFromA, const ImageSketch& b,
+                          const Pose& worldFromB, const glm::dvec3& pivotInWorld, const ImagePairOptions& options,
+                          ResidualSizes& sizes) {
     ImagePairSums sums;
     const Camera &from = a.depth.camera, &to = b.depth.camera;
     const Pose bFromWorld = inverse(worldFromB);
-    const Reprojection into = reprojectionInto(to, worldFromB, from, worldFromA);
     const double perPixel = 1.0 / static_cast<double>(1 << options.level);
     const Image<float>&greyA = a.greys[options.level], &greyB = b.greys[options.level];
-    for (int y = options.step / 2; y < from.height; y += options.step)
-        for (int x = options.step / 2; x < from.width; x += options.step) {
-            if (!isSurface(a.depth.flags(x, y))) continue;
-            const float d = a.depth.disparity(x, y);
-            const Sighting at = sightingOf(into, static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f, d);
-            const Comparison comparison = compareWith(b.depth, at, options.comparison);
-            if (comparison.relation == Relation::inFront) ++sums.against;
-            if (comparison.relation != Relation::agrees || !comparison.isSmooth) continue;
-            const double u = static_cast<double>(at.u), v = static_cast<double>(at.v);
-            if (!isWithin(b.depth.disparity, u, v)) continue;
+    samples.compare(b.depth, reprojectionInto(to, worldFromB, from, worldFromA), options.comparison);
+    std::vector<int> agreeing;
+    for (int i = 0; i < samples.count(); ++i) {
+        const Comparison comparison = samples.comparison(i);
+        if (comparison.relation == Relation::inFront) ++sums.against;
+        if (comparison.relation != Relation::agrees || !comparison.isSmooth) continue;
+        const Sighting at = samples.sighting(i);
+        const double u = static_cast<double>(at.u), v = static_cast<double>(at.v);
+        if (!isWithin(b.depth.disparity, u, v)) continue;
+        agreeing.push_back(i);
+        prefetchAbout(b.depth, u, v);
+        prefetchAbout(greyB, u * perPixel, v * perPixel);
+    }
+    for (const int i : agreeing) {
+        const Sighting at = samples.sighting(i);
+        const double u = static_cast<double>(at.u), v = static_cast<double>(at.v);
+        const auto x = static_cast<double>(samples.x(i)), y = static_cast<double>(samples.y(i));
+        const glm::dvec3 p = worldFromA * (rayThrough(from, x, y) / static_cast<double>(samples.disparity(i)));
+        const glm::dvec3 q = bFromWorld * p, arm = p - pivotInWorld;
+        // b's surface about there is the plane n . q = 1, since disparity is linear over the picture of a plane.
+        Slope surface = slopeAt(b.depth.disparity, u, v);
+        widenSlope(b.depth, u, v, options.comparison, surface);
+        glm::dvec3 n(surface.du * to.fx, surface.dv * to.fy, 0);
+        n.z = surface.value - n.x * (u - to.cx) / to.fx - n.y * (v - to.cy) / to.fy;
+        const double perMetre = surface.value / glm::length(n); // the distance in parts of the range
+        const double apart = (glm::dot(n, q) - 1) * perMetre;
+        add(sums, worldFromB.rotation * (n * perMetre), arm, apart, options.scales.range);
+        sizes.range.add(std::abs(apart));
+        ++sums.agreeing;
 
-            const glm::dvec3 p = worldFromA * (rayThrough(from, x + 0.5, y + 0.5) / static_cast<double>(d));
-            const glm::dvec3 q = bFromWorld * p, arm = p - pivotInWorld;
-            // b's surface about there is the plane n . q = 1, since disparity is linear over the picture of a plane.
-            Slope surface = slopeAt(b.depth.disparity, u, v);
-            widenSlope(b.depth, u, v, options.comparison, surface);
-            glm::dvec3 n(surface.du * to.fx, surface.dv * to.fy, 0);
-            n.z = surface.value - n.x * (u - to.cx) / to.fx - n.y * (v - to.cy) / to.fy;
-            const double perMetre = surface.value / glm::length(n); // the distance in parts of the range
-            const double apart = (glm::dot(n, q) - 1) * perMetre;
-            add(sums, worldFromB.rotation * (n * perMetre), arm, apart, options.scales.range);
-            sizes.range.add(std::abs(apart));
-            ++sums.agreeing;
-
-            const double ua = (x + 0.5) * perPixel, va = (y + 0.5) * perPixel;
-            if (!isWithin(greyA, ua, va) || !isWithin(greyB, u * perPixel, v * perPixel)) continue;
-            const Slope grey = slopeAt(greyB, u * perPixel, v * perPixel);
-            const double du = grey.du * perPixel * to.fx / q.z, dv = grey.dv * perPixel * to.fy / q.z;
-            const glm::dvec3 slope(du, dv, -(du * q.x + dv * q.y) / q.z);
-            const double difference = grey.value - slopeAt(greyA, ua, va).value;
-            add(sums, worldFromB.rotation * slope, arm, difference, options.scales.grey);
-            sizes.grey.add(std::abs(difference));
-        }
+        const double ua = x * perPixel, va = y * perPixel;
+        if (!isWithin(greyA, ua, va) || !isWithin(greyB, u * perPixel, v * perPixel)) continue;
+        const Slope grey = slopeAt(greyB, u * perPixel, v * perPixel);
+        const double du = grey.du * perPixel * to.fx / q.z, dv = grey.dv * perPixel * to.fy / q.z;
+        const glm::dvec3 slope(du, dv, -(du * q.x + dv * q.y) / q.z);
+        const double difference = grey.value - slopeAt(greyA, ua, va).value;
+        add(sums, worldFromB.rotation * slope, arm, difference, options.scales.grey);
+        sizes.grey.add(std::abs(difference));
+    }
     return sums;
 }
 

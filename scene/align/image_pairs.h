@@ -3,7 +3,7 @@
 // that the other saw, too.
 
 #include "scene/align/image_sketch.h"
-#include "scene/reprojection.h"
+#include "scene/sample_comparison.h"
 
 #include <array>
 #include <cstdint>
@@ -47,13 +47,16 @@ struct ResidualSizes {
 
 struct ImagePairOptions {
     std::size_t level = 0; ///< of the greys
-    int step = 8;          ///< each so many-th sample each way
     ComparisonOptions comparison;
     ResidualScales scales;
 };
 
-/// a's samples in b, each where its pose has it. Adds the sizes of residuals to those given.
-ImagePairSums comparePair(const ImageSketch& a, const Pose& worldFromA, const ImageSketch& b, const Pose& worldFromB,
-                          const glm::dvec3& pivotInWorld, const ImagePairOptions& options, ResidualSizes& sizes);
+/// Each step-th sample each way that is a surface.
+SampleComparison samplesOf(const ImageSketch& sketch, int step);
+
+/// samples: a's, in b, each where its pose has it. Adds the sizes of residuals to those given.
+ImagePairSums comparePair(const ImageSketch& a, SampleComparison& samples, const Pose& worldFromA, const ImageSketch& b,
+                          const Pose& worldFromB, const glm::dvec3& pivotInWorld, const ImagePairOptions& options,
+                          ResidualSizes& sizes);
 
 } // namespace scene

@@ -80,10 +80,11 @@ AllSums compareAll(const Problem& problem, const std::vector<Pose>& poses, std::
         const Camera& camera = problem.sketches[i].depth.camera;
         const double pixels = static_cast<double>(camera.width) * camera.height;
         const int step = std::max(1, static_cast<int>(std::sqrt(pixels / problem.options.samplesPerPair)));
+        SampleComparison samples = samplesOf(problem.sketches[i], step);
         for (const std::uint32_t other : problem.partners[i])
-            all.ofPairs[i].push_back(comparePair(problem.sketches[i], poses[i], problem.sketches[other], poses[other],
-                                                 problem.pivot, {level, step, problem.options.comparison, scales},
-                                                 sizes[i]));
+            all.ofPairs[i].push_back(comparePair(problem.sketches[i], samples, poses[i], problem.sketches[other],
+                                                 poses[other], problem.pivot,
+                                                 {level, problem.options.comparison, scales}, sizes[i]));
     });
     for (const ResidualSizes& some : sizes)
         all.sizes.range.add(some.range), all.sizes.grey.add(some.grey);

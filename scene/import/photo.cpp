@@ -126,14 +126,19 @@ DepthImage readPhoto(const PhotoSource& source) {
     image.colour = Image<Rgb8>(camera.width, camera.height);
     image.disparity = Image<float>(camera.width, camera.height, 0.0f);
     image.flags = Image<std::uint8_t>(camera.width, camera.height, 0);
+    const bool isPixelByPixel = lens.isIdentity && depth.size() == colour.size();
+    const auto depthAt = [&](int x, int y) {
+        if (isPixelByPixel) return depth(y, x);
+        const double atX = lens.isIdentity ? x + 0.5 : static_cast<double>(lens.x(y, x)) + 0.5;
+        const double atY = lens.isIdentity ? y + 0.5 : static_cast<double>(lens.y(y, x)) + 0.5;
+        const bool isSeen = atX >= 0 && atY >= 0 && atX < camera.width && atY < camera.height;
+        return isSeen ? sampleDepth(depth, atX * scaleX, atY * scaleY) : 0;
+    };
     for (int y = 0; y < camera.height; ++y) {
         for (int x = 0; x < camera.width; ++x) {
             const auto& bgr = colour.at<cv::Vec3b>(y, x);
             image.colour(x, y) = {bgr[2], bgr[1], bgr[0]};
-            const double atX = lens.isIdentity ? x + 0.5 : static_cast<double>(lens.x(y, x)) + 0.5;
-            const double atY = lens.isIdentity ? y + 0.5 : static_cast<double>(lens.y(y, x)) + 0.5;
-            const bool isSeen = atX >= 0 && atY >= 0 && atX < camera.width && atY < camera.height;
-            const float z = isSeen ? sampleDepth(depth, atX * scaleX, atY * scaleY) : 0;
+            const float z = depthAt(x, y);
             if (z > 0)
                 image.disparity(x, y) = 1 / z;
             else

@@ -1,12 +1,14 @@
 #include "scene/refine/fusion.h"
 
 #include "scene/density.h"
+#include "scene/sample_comparison.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include <glm/geometric.hpp>
 
+#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
 namespace scene {
@@ -78,11 +80,12 @@ DepthImage fuse(ImageStore& images, std::size_t index, const std::vector<Partner
         const DepthImage& partner = *lease;
         const Reprojection into = reprojectionInto(partner, image);
         const glm::vec3 partnerInCamera((inverse(image.worldFromCamera) * partner.worldFromCamera).translation);
-        forNeeded([&](int x, int y) {
-            const float px = static_cast<float>(x) + 0.5f, py = static_cast<float>(y) + 0.5f, d = image.disparity(x, y);
-            const Sighting at = sightingOf(into, px, py, d);
-            const Comparison comparison = compareWith(partner, at, options.comparison);
+        const auto take = [&](const SampleComparison& samples, int k) {
+            const Comparison comparison = samples.comparison(k);
             if (comparison.relation != Relation::agrees || !comparison.isSmooth) return;
+            const float px = samples.x(k), py = samples.y(k), d = samples.disparity(k);
+            const int x = static_cast<int>(px), y = static_cast<int>(py);
+            const Sighting at = samples.sighting(k);
 
             // To the point, from here and from the partner; both times disparity, so that the sky needs no special
             // case.
@@ -117,6 +120,18 @@ DepthImage fuse(ImageStore& images, std::size_t index, const std::vector<Partner
             const float weight = nearness * std::exp(-doubts);
             mean.colour += weight * colour;
             mean.colourWeight += weight;
+        };
+        tbb::parallel_for(tbb::blocked_range<int>(0, camera.height), [&](const tbb::blocked_range<int>& rows) {
+            SampleComparison samples(camera.width);
+            for (int y = rows.begin(); y < rows.end(); ++y) {
+                samples.clear();
+                for (int x = 0; x < camera.width; ++x)
+                    if (needed(x, y))
+                        samples.add(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f, image.disparity(x, y));
+                samples.compare(partner, into, options.comparison);
+                for (int k = 0; k < samples.count(); ++k)
+                    take(samples, k);
+            }
         });
     }
 

@@ -20,7 +20,8 @@ namespace {
 struct RankedTile {
     std::uint32_t image = 0;
     int x0 = 0, y0 = 0;
-    float quality = 0; ///< samples per metre of surface, mean over the tile
+    float quality = 0;    ///< samples per metre of surface, mean over the tile
+    int qualityClass = 0; ///< tiles of one class are of like quality; higher ones are better
 };
 
 std::vector<RankedTile> rateTiles(const DepthImage& image, std::uint32_t index, int tileSize) {
@@ -42,7 +43,7 @@ std::vector<RankedTile> rateTiles(const DepthImage& image, std::uint32_t index, 
             if (samples + guesses == 0) continue;
             const int count = std::max(samples, 1);
             const double trust = 1.0 - 0.5 * doubtful / count;
-            tiles.push_back({index, x0, y0, static_cast<float>(sum / count * trust)});
+            tiles.push_back({index, x0, y0, static_cast<float>(sum / count * trust), 0});
         }
     return tiles;
 }
@@ -64,42 +65,38 @@ std::vector<std::uint32_t> rankImages(const std::vector<std::vector<Partner>>& p
     return rankOf;
 }
 
-/// What an image keeps so far, and in which of its blocks of pixels anything is.
+/// What an image keeps so far. Others ask for it by bits in squares, so that what a tile of theirs sees lies close
+/// together in memory.
 class KeptSamples {
   public:
     explicit KeptSamples(const Camera& camera)
         : samples(camera.width, camera.height, Keep::no),
-          blocks_((camera.width - 1) / kBlock + 1, (camera.height - 1) / kBlock + 1, 0) {}
+          squares_((camera.width - 1) / kSquare + 1, (camera.height - 1) / kSquare + 1, 0) {}
 
-    /// To be called when samples of these pixels were decided on; not at the same time for the same block.
+    /// To be called when samples of these pixels were decided on; not at the same time as anything else.
     void noteChanges(const PixelBox& pixels) {
-        for (int y = pixels.y0 / kBlock; y <= (pixels.y1 - 1) / kBlock; ++y)
-            for (int x = pixels.x0 / kBlock; x <= (pixels.x1 - 1) / kBlock; ++x)
-                blocks_(x, y) = hasAny({x * kBlock, y * kBlock, std::min((x + 1) * kBlock, samples.width()),
-                                        std::min((y + 1) * kBlock, samples.height())});
+        for (int y = pixels.y0; y < pixels.y1; ++y)
+            for (int x = pixels.x0; x < pixels.x1; ++x)
+                if (samples(x, y) != Keep::no) squares_(x / kSquare, y / kSquare) |= bitOf(x, y);
     }
+
+    bool has(int x, int y) const { return (squares_(x / kSquare, y / kSquare) & bitOf(x, y)) != 0; }
 
     bool mayHaveAnyIn(const PixelBox& pixels) const {
         if (pixels.isEmpty()) return false;
-        for (int y = pixels.y0 / kBlock; y <= (pixels.y1 - 1) / kBlock; ++y)
-            for (int x = pixels.x0 / kBlock; x <= (pixels.x1 - 1) / kBlock; ++x)
-                if (blocks_(x, y) != 0) return true;
+        for (int y = pixels.y0 / kSquare; y <= (pixels.y1 - 1) / kSquare; ++y)
+            for (int x = pixels.x0 / kSquare; x <= (pixels.x1 - 1) / kSquare; ++x)
+                if (squares_(x, y) != 0) return true;
         return false;
     }
 
     Image<Keep> samples;
 
   private:
-    static constexpr int kBlock = 16;
+    static constexpr int kSquare = 8;
+    static std::uint64_t bitOf(int x, int y) { return std::uint64_t{1} << (y % kSquare * kSquare + x % kSquare); }
 
-    bool hasAny(const PixelBox& pixels) const {
-        for (int y = pixels.y0; y < pixels.y1; ++y)
-            for (int x = pixels.x0; x < pixels.x1; ++x)
-                if (samples(x, y) != Keep::no) return true;
-        return false;
-    }
-
-    Image<std::uint8_t> blocks_;
+    Image<std::uint64_t> squares_;
 };
 
 /// Samples of a partner that are kept already, and the way there.
@@ -125,7 +122,7 @@ bool isCovered(const KeptPartner& partner, const Candidate& sample, const Compar
     const Sighting at = sightingOf(partner.into, sample.x, sample.y, sample.disparity);
     if (!isSeenIn(partner.image->camera, at)) return false;
     const int x = static_cast<int>(at.u), y = static_cast<int>(at.v);
-    if (partner.kept->samples(x, y) == Keep::no) return false;
+    if (!partner.kept->has(x, y)) return false;
     // A guess covers a guess; it never takes the place of what was measured.
     if (isGuess(partner.image->flags(x, y)))
         return sample.isGuess &&
@@ -187,19 +184,27 @@ class Keeper {
                 visit(x, y);
     }
 
+    /// Metres; who stands farther away does not cover the sample.
+    static float farthestCoverOf(const DepthImage& image, int x, int y, float baselineShare) {
+        if (baselineShare == kAnywhere) return kAnywhere;
+        const glm::vec3 ray(rayThrough(image.camera, x + 0.5, y + 0.5));
+        return baselineShare * (glm::length(ray) / image.disparity(x, y));
+    }
+
     /// Those of the partners that can cover a sample among these pixels at all.
     static std::vector<KeptPartner> partnersAbout(const PixelBox& pixels, const DepthImage& image,
-                                                  const std::vector<KeptPartner>& before) {
-        float lowest = std::numeric_limits<float>::max(), highest = 0;
+                                                  const std::vector<KeptPartner>& before, float baselineShare) {
+        float lowest = std::numeric_limits<float>::max(), highest = 0, farthest = 0;
         forSamples(pixels, [&](int x, int y) {
             if (!isDrawable(image.flags(x, y))) return;
             lowest = std::min(lowest, image.disparity(x, y));
             highest = std::max(highest, image.disparity(x, y));
+            farthest = std::max(farthest, farthestCoverOf(image, x, y, baselineShare));
         });
         std::vector<KeptPartner> about;
         for (const KeptPartner& partner : before)
-            if (partner.kept->mayHaveAnyIn(
-                    boundsOfSightings(partner.into, pixels, lowest, highest, partner.image->camera)))
+            if (partner.baseline <= farthest && partner.kept->mayHaveAnyIn(boundsOfSightings(
+                                                    partner.into, pixels, lowest, highest, partner.image->camera)))
                 about.push_back(partner);
         return about;
     }
@@ -207,31 +212,26 @@ class Keeper {
     std::int64_t keepTile(const RankedTile& tile, const DepthImage& image, const std::vector<KeptPartner>& all,
                           Keep tier, float baselineShare) {
         const PixelBox pixels = pixelsOf(tile, image);
-        const std::vector<KeptPartner> before = partnersAbout(pixels, image, all);
+        const std::vector<KeptPartner> before = partnersAbout(pixels, image, all, baselineShare);
         std::int64_t count = 0, wanted = 0, there = 0;
         std::size_t likely = 0; // the partner that covered the last sample most likely covers the next
-        for (int y = pixels.y0; y < pixels.y1; ++y)
-            for (int x = pixels.x0; x < pixels.x1; ++x) {
-                Keep& mine = kept_[tile.image].samples(x, y);
-                const bool guess = isGuess(image.flags(x, y));
-                if (guess ? tier == Keep::base : !isSurface(image.flags(x, y))) continue;
-                ++there;
-                if (mine != Keep::no) continue;
-                Candidate sample{static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f, image.disparity(x, y),
-                                 kAnywhere, guess};
-                if (baselineShare < kAnywhere)
-                    sample.farthest =
-                        baselineShare *
-                        (glm::length(glm::vec3(rayThrough(image.camera, x + 0.5, y + 0.5))) / sample.disparity);
-                const auto covers = [&](std::size_t p) { return isCovered(before[p], sample, options_.comparison); };
-                bool covered = likely < before.size() && covers(likely);
-                for (std::size_t p = 0; p < before.size() && !covered; ++p)
-                    if (covers(p)) covered = true, likely = p;
-                if (covered) continue;
-                mine = tier;
-                ++wanted;
-                count += !guess;
-            }
+        forSamples(pixels, [&](int x, int y) {
+            Keep& mine = kept_[tile.image].samples(x, y);
+            const bool guess = isGuess(image.flags(x, y));
+            if (guess ? tier == Keep::base : !isSurface(image.flags(x, y))) return;
+            ++there;
+            if (mine != Keep::no) return;
+            const Candidate sample{static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f, image.disparity(x, y),
+                                   farthestCoverOf(image, x, y, baselineShare), guess};
+            const auto covers = [&](std::size_t p) { return isCovered(before[p], sample, options_.comparison); };
+            bool covered = likely < before.size() && covers(likely);
+            for (std::size_t p = 0; p < before.size() && !covered; ++p)
+                if (covers(p)) covered = true, likely = p;
+            if (covered) return;
+            mine = tier;
+            ++wanted;
+            count += !guess;
+        });
         // The base holds every surface, be the patch ever so small.
         if (tier != Keep::directional) return count;
         const bool isPatch =
@@ -280,21 +280,21 @@ std::vector<Image<Keep>> findKept(ImageStore& images, const std::vector<std::vec
 
     const std::vector<std::uint32_t> imageRank = rankImages(partners);
     const double step = std::log(std::max(static_cast<double>(options.preference), 1.001));
-    // The sky has no density: it comes last.
-    const auto classOf = [&](const RankedTile& tile) {
-        return tile.quality > 0 ? static_cast<int>(std::floor(std::log(tile.quality) / step))
-                                : std::numeric_limits<int>::min();
-    };
+    for (RankedTile& tile : ranked) // the sky has no density: it comes last
+        tile.qualityClass = tile.quality > 0 ? static_cast<int>(std::floor(std::log(tile.quality) / step))
+                                             : std::numeric_limits<int>::min();
     std::stable_sort(ranked.begin(), ranked.end(), [&](const RankedTile& a, const RankedTile& b) {
-        const int classA = classOf(a), classB = classOf(b);
-        return classA != classB ? classA > classB : imageRank[a.image] < imageRank[b.image];
+        return a.qualityClass != b.qualityClass ? a.qualityClass > b.qualityClass
+                                                : imageRank[a.image] < imageRank[b.image];
     });
 
     figures = {};
     Keeper keeper(images, partners, options);
     forRuns(
         ranked,
-        [&](const RankedTile& a, const RankedTile& b) { return a.image == b.image && classOf(a) == classOf(b); },
+        [&](const RankedTile& a, const RankedTile& b) {
+            return a.image == b.image && a.qualityClass == b.qualityClass;
+        },
         [&](std::span<const RankedTile> run) { figures.base += keeper.keep(run, Keep::base, kAnywhere); });
     if (options.baselineShare > 0) {
         // In the order of the capture: along a path this spaces the kept images evenly.

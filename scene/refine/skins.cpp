@@ -1,9 +1,12 @@
 #include "scene/refine/skins.h"
 
+#include "scene/sample_comparison.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 
+#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
 namespace scene {
@@ -105,6 +108,15 @@ bool sawThrough(const DepthImage& partner, const Reprojection& into, const Depth
     return false;
 }
 
+void compareSamplesOfRow(const DepthImage& image, int y, const DepthImage& partner, const Reprojection& into,
+                         const ComparisonOptions& options, SampleComparison& samples) {
+    samples.clear();
+    for (int x = 0; x < image.camera.width; ++x)
+        if (const float d = surfaceDisparity(image, x, y); d > 0)
+            samples.add(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f, d);
+    samples.compare(partner, into, options);
+}
+
 /// A guess that others measured is a surface, one that they saw through is nothing.
 void judgeGuess(std::uint8_t& flags, bool isFloating, bool isMeasured, SkinFigures& figures) {
     if (isFloating) {
@@ -155,19 +167,21 @@ Image<std::uint8_t> markSkins(ImageStore& images, std::size_t index, const std::
         const ImageStore::Lease partnerLease = images.borrow(partners[i].image);
         const DepthImage& partner = *partnerLease;
         const Reprojection into = reprojectionInto(partner, image);
-        tbb::parallel_for(0, image.camera.height, [&](int y) {
-            for (int x = 0; x < image.camera.width; ++x) {
-                const float d = surfaceDisparity(image, x, y);
-                if (d <= 0) continue;
-                const Sighting at = sightingOf(into, static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f, d);
-                const Relation relation = compareWith(partner, at, options.comparison).relation;
-                if (relation == Relation::agrees) ++agreed(x, y);
-                if (relation == Relation::inFront) ++seenThrough(x, y);
+        tbb::parallel_for(tbb::blocked_range<int>(0, image.camera.height), [&](const tbb::blocked_range<int>& rows) {
+            SampleComparison samples(image.camera.width);
+            for (int y = rows.begin(); y < rows.end(); ++y) {
+                compareSamplesOfRow(image, y, partner, into, options.comparison, samples);
+                for (int k = 0; k < samples.count(); ++k) {
+                    const Relation relation = samples.relation(k);
+                    const int x = static_cast<int>(samples.x(k));
+                    if (relation == Relation::agrees) ++agreed(x, y);
+                    if (relation == Relation::inFront) ++seenThrough(x, y);
+                }
+                for (const Candidate& triangle : candidates[static_cast<std::size_t>(y)])
+                    if (!(flags(triangle.x, y) & triangle.skin) &&
+                        sawThrough(partner, into, image, triangle.x, y, *triangle.corners, options.comparison))
+                        flags(triangle.x, y) = static_cast<std::uint8_t>(flags(triangle.x, y) | triangle.skin);
             }
-            for (const Candidate& triangle : candidates[static_cast<std::size_t>(y)])
-                if (!(flags(triangle.x, y) & triangle.skin) &&
-                    sawThrough(partner, into, image, triangle.x, y, *triangle.corners, options.comparison))
-                    flags(triangle.x, y) = static_cast<std::uint8_t>(flags(triangle.x, y) | triangle.skin);
         });
     }
 

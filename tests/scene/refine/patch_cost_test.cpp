@@ -5,35 +5,25 @@
 #include "scene/reprojection.h"
 #include "tests/scene/known_scenes.h"
 #include "tests/scene/random_poses.h"
+#include "tests/scene/vector_widths.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include <gtest/gtest.h>
-#include <hwy/highway.h>
 
 namespace scene {
 namespace {
 
-class PatchCost : public testing::Test {
+class PatchCost : public VectorWidths {
   protected:
-    void TearDown() override { choose(0); }
-
-    /// 0: all vector widths again.
-    static void choose(std::int64_t targets) {
-        hwy::SetSupportedTargetsForTest(targets);
-        hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-    }
-
     /// The same bits by every width that this processor has.
     static float sumByAll(const Image<Rgb8>& photograph, const PatchSamples& patch, const PatchPlaces& places,
                           float most) {
-        choose(0);
         const float sum = sumOfDifferences(photograph, patch, places, most);
-        for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
-            choose(target);
-            EXPECT_EQ(sumOfDifferences(photograph, patch, places, most), sum) << hwy::TargetName(target);
-        }
+        forEach([&](const char* width) {
+            EXPECT_EQ(sumOfDifferences(photograph, patch, places, most), sum) << width;
+        });
         return sum;
     }
 };
