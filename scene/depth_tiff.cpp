@@ -50,6 +50,26 @@ std::size_t placeOf(const Image<T>& image, int row) {
     return static_cast<std::size_t>(row) * static_cast<std::size_t>(image.width());
 }
 
+/// Neighbours' differences are what compresses well in colours and in noisy ranges. Ranges that are stored in steps hold
+/// few numbers, often the same ones: as they are they take two thirds of the room and a third of the time.
+int predictorFor(const Image<float>& disparity) {
+    constexpr std::size_t kAsked = 4096;
+    const auto pixels = disparity.pixels();
+    std::vector<float> some;
+    for (std::size_t i = 0; i < pixels.size(); i += std::max<std::size_t>(pixels.size() / kAsked, 1))
+        some.push_back(pixels[i]);
+    const std::size_t asked = some.size();
+    std::sort(some.begin(), some.end());
+    some.erase(std::unique(some.begin(), some.end()), some.end());
+    return some.size() > asked / 2 ? PREDICTOR_FLOATINGPOINT : PREDICTOR_NONE;
+}
+int predictorFor(const Image<Rgb8>&) {
+    return PREDICTOR_HORIZONTAL;
+}
+int predictorFor(const Image<std::uint8_t>&) { // flags are no measures
+    return PREDICTOR_NONE;
+}
+
 template <class T>
 void writePage(TIFF* tiff, const Image<T>& image, int bits, int channels, int format, const std::string* description,
                const std::filesystem::path& path) {
@@ -62,8 +82,7 @@ void writePage(TIFF* tiff, const Image<T>& image, int bits, int channels, int fo
     TIFFSetField(tiff, TIFFTAG_PLANARCONFIG, PLANARCONFIG_CONTIG);
     TIFFSetField(tiff, TIFFTAG_COMPRESSION, COMPRESSION_ADOBE_DEFLATE);
     TIFFSetField(tiff, TIFFTAG_ZIPQUALITY, kDeflateLevel);
-    TIFFSetField(tiff, TIFFTAG_PREDICTOR,
-                 format == SAMPLEFORMAT_IEEEFP ? PREDICTOR_FLOATINGPOINT : PREDICTOR_HORIZONTAL);
+    TIFFSetField(tiff, TIFFTAG_PREDICTOR, predictorFor(image));
     TIFFSetField(tiff, TIFFTAG_ROWSPERSTRIP, kRowsPerStrip);
     if (description) TIFFSetField(tiff, TIFFTAG_IMAGEDESCRIPTION, description->c_str());
     // Whole strips, which libtiff hands to libdeflate; single rows would go through zlib, in twice the time.
