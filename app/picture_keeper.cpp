@@ -1,11 +1,14 @@
 #include "app/picture_keeper.h"
 
+#include "app/stage_store.h"
+#include "scene/errors.h"
+#include "scene/picture_codec.h"
+
 #include <algorithm>
 #include <cstdio>
 #include <ctime>
 #include <filesystem>
 
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 namespace app {
@@ -58,10 +61,11 @@ PictureKeeper::~PictureKeeper() {
 void PictureKeeper::keep(std::span<const xr::WindowPicture> pictures, const glm::dvec3& place) {
     if (pictures.empty()) return;
     const std::string name = nameNow(".png");
-    bool isWritten = false;
+    const std::vector<std::uint8_t> encoded = scene::encodePng(sideBySide(pictures));
+    bool isWritten = !encoded.empty();
     try {
-        isWritten = cv::imwrite(name, sideBySide(pictures));
-    } catch (const cv::Exception&) {
+        if (isWritten) writeWhole(name, std::as_bytes(std::span(encoded)));
+    } catch (const scene::Failure&) {
         isWritten = false;
     }
     if (isWritten)

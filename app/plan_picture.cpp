@@ -1,6 +1,7 @@
 #include "app/plan_picture.h"
 
 #include "scene/errors.h"
+#include "scene/picture_codec.h"
 
 #include <algorithm>
 #include <array>
@@ -9,7 +10,6 @@
 #include <string>
 
 #include <glm/geometric.hpp>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include <tbb/parallel_for.h>
@@ -214,8 +214,8 @@ std::vector<std::byte> drawPlan(const scene::Scene& scene, const scene::NextScan
         drawProposals(picture, sheet, plan);
         drawLegend(picture, sheet, height + kMargin + 26, stood.size());
     }
-    std::vector<std::uint8_t> bytes;
-    if (!cv::imencode(".png", picture, bytes))
+    const std::vector<std::uint8_t> bytes = scene::encodePng(picture);
+    if (bytes.empty())
         throw scene::Failure("cannot be encoded", std::string("the picture of the plan"),
                              "tell us: it should not happen");
     const auto encoded = std::as_bytes(std::span(bytes));

@@ -5,9 +5,10 @@
 #include "render/shaders/shared/z_key.h"
 #include "scene/depth_tiff.h"
 #include "scene/errors.h"
+#include "scene/picture_codec.h"
 #include "scene/scene_file.h"
 
-#include <opencv2/imgcodecs.hpp>
+#include <opencv2/core.hpp>
 
 #include <array>
 
@@ -17,12 +18,10 @@ namespace {
 
 constexpr std::array kPictureEndings{".png", ".jpg", ".jpeg"};
 
-cv::Mat readPicture(const std::filesystem::path& path, int flags) {
+cv::Mat pictureFrom(const std::filesystem::path& path, scene::PictureKind kind) {
     const std::vector<std::byte> bytes = readWhole(path);
-    const cv::Mat1b encoded(1, static_cast<int>(bytes.size()),
-                            const_cast<std::uint8_t*>(reinterpret_cast<const std::uint8_t*>(bytes.data())));
-    cv::Mat picture;
-    if (!bytes.empty()) picture = cv::imdecode(encoded, flags);
+    const auto* const first = reinterpret_cast<const std::uint8_t*>(bytes.data());
+    cv::Mat picture = scene::decodePicture({first, bytes.size()}, kind);
     if (picture.empty()) throw scene::Failure("is no picture", path, "give the picture that the camera took");
     return picture;
 }
@@ -43,14 +42,14 @@ Truth readDepthImage(const std::filesystem::path& path, const scene::Camera& cam
 /// stem: the camera's name in its folder.
 Truth readPictures(const std::filesystem::path& colourPath, const std::string& stem, const scene::Camera& camera) {
     const std::filesystem::path depthPath = stem + "-depth.tiff", classPath = stem + "-class.png";
-    const cv::Mat3b colour = readPicture(colourPath, cv::IMREAD_COLOR | cv::IMREAD_IGNORE_ORIENTATION);
+    const cv::Mat3b colour = pictureFrom(colourPath, scene::PictureKind::colour);
     requireSize(colour.cols, colour.rows, camera, colourPath);
     Truth truth{{camera.width, camera.height}, {}};
     for (int y = 0; y < camera.height; ++y)
         for (int x = 0; x < camera.width; ++x)
             truth.colour(x, y) = {colour(y, x)[2], colour(y, x)[1], colour(y, x)[0]};
     if (!std::filesystem::exists(depthPath)) return truth;
-    const cv::Mat depth = readPicture(depthPath, cv::IMREAD_UNCHANGED);
+    const cv::Mat depth = pictureFrom(depthPath, scene::PictureKind::asStored);
     if (depth.type() != CV_32FC1)
         throw scene::Failure("is not of 32 bit floating point", depthPath, "give depth in metres, or none");
     requireSize(depth.cols, depth.rows, camera, depthPath);
@@ -61,7 +60,7 @@ Truth readPictures(const std::filesystem::path& colourPath, const std::string& s
             truth.depthMetres(x, y) = metres > 0 ? metres : 0;
         }
     if (!std::filesystem::exists(classPath)) return truth;
-    const cv::Mat pixelClass = readPicture(classPath, cv::IMREAD_UNCHANGED);
+    const cv::Mat pixelClass = pictureFrom(classPath, scene::PictureKind::asStored);
     if (pixelClass.type() != CV_8UC1)
         throw scene::Failure("is not grey with 8 bit", classPath,
                              "give classes as `render --aux` writes them, or none");

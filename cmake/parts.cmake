@@ -15,6 +15,8 @@ find_package(CGAL 5 REQUIRED)
 find_package(OpenCV REQUIRED COMPONENTS core imgproc imgcodecs calib3d videoio)
 pkg_check_modules(HWY REQUIRED IMPORTED_TARGET libhwy)
 pkg_check_modules(XXHASH REQUIRED IMPORTED_TARGET libxxhash)
+pkg_check_modules(SPNG REQUIRED IMPORTED_TARGET spng)
+pkg_check_modules(TURBOJPEG REQUIRED IMPORTED_TARGET libturbojpeg)
 
 pkg_check_modules(OPENXR REQUIRED IMPORTED_TARGET openxr)
 pkg_check_modules(STB REQUIRED IMPORTED_TARGET stb)

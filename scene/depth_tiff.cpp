@@ -310,4 +310,8 @@ Image<std::uint8_t> readFlagsTiff(const std::filesystem::path& path, const Camer
     return flags;
 }
 
+void writeNumbersTiff(const Image<float>& numbers, const std::filesystem::path& path) {
+    writeWhole(path, [&](TIFF* tiff) { writePage(tiff, numbers, 32, 1, SAMPLEFORMAT_IEEEFP, nullptr, path); });
+}
+
 } // namespace scene

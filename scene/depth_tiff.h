@@ -27,4 +27,7 @@ DepthImage readDepthTiffHeader(const std::filesystem::path& path);
 void writeFlagsTiff(const Image<std::uint8_t>& flags, const std::filesystem::path& path);
 Image<std::uint8_t> readFlagsTiff(const std::filesystem::path& path, const Camera& camera);
 
+/// One page of a number each pixel, under its name once it is whole. Throws Failure.
+void writeNumbersTiff(const Image<float>& numbers, const std::filesystem::path& path);
+
 } // namespace scene

@@ -1,12 +1,12 @@
 #include "scene/align/camera_calibration.h"
 
 #include "scene/errors.h"
+#include "scene/picture_codec.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include <opencv2/calib3d.hpp>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 namespace scene {
@@ -104,7 +104,7 @@ Boards findBoards(const BoardOptions& options, std::vector<BoardPicture>& pictur
     Boards boards;
     for (std::size_t i = 0; i < pictures.size(); ++i) {
         BoardPicture& picture = pictures[i];
-        const cv::Mat grey = cv::imread(picture.path.string(), cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION);
+        const cv::Mat grey = readPicture(picture.path, PictureKind::grey);
         if (grey.empty()) {
             picture.why = "cannot be read as a picture";
             continue;

@@ -1,6 +1,7 @@
 #include "scene/import/e57.h"
 
 #include "scene/errors.h"
+#include "scene/picture_codec.h"
 #include "scene/import/e57_file.h"
 #include "scene/import/scan_name.h"
 
@@ -9,7 +10,6 @@
 #include <map>
 #include <set>
 
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 namespace scene {
@@ -195,12 +195,7 @@ std::vector<std::uint8_t> readE57ImageBytes(const E57Image& image) {
 
 Image<Rgb8> readE57Image(const E57Image& image) {
     const std::vector<std::uint8_t> bytes = readE57ImageBytes(image);
-    cv::Mat bgr;
-    try {
-        if (!bytes.empty()) bgr = cv::imdecode(bytes, cv::IMREAD_COLOR | cv::IMREAD_IGNORE_ORIENTATION);
-    } catch (const cv::Exception&) {
-        bgr.release(); // told below, as any other picture that cannot be decoded
-    }
+    const cv::Mat bgr = decodePicture(bytes, PictureKind::colour);
     if (bgr.empty())
         throw Failure("image '" + image.name + "' is no picture that can be decoded", image.path,
                       "export its photographs as JPEG or PNG");

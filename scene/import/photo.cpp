@@ -1,13 +1,13 @@
 #include "scene/import/photo.h"
 
 #include "scene/errors.h"
+#include "scene/picture_codec.h"
 
 #include <algorithm>
 #include <cmath>
 #include <span>
 
 #include <opencv2/calib3d.hpp>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 namespace scene {
@@ -21,16 +21,10 @@ std::string sizeText(int width, int height) {
     return std::to_string(width) + "x" + std::to_string(height);
 }
 
-cv::Mat readPicture(const std::filesystem::path& path, int mode) {
+cv::Mat pictureFrom(const std::filesystem::path& path, PictureKind kind) {
     if (!std::filesystem::is_regular_file(path))
         throw Failure("no such picture", path, "check the path in the capture's list of frames");
-    cv::Mat picture;
-    try {
-        picture = cv::imread(path.string(), mode);
-    } catch (const cv::Exception& e) {
-        throw Failure("picture cannot be decoded (" + e.err + ")", path,
-                      "export it again, or leave it out of the list");
-    }
+    cv::Mat picture = readPicture(path, kind);
     if (picture.empty())
         throw Failure("picture is empty, damaged or of an unknown format", path,
                       "export it again as PNG, JPEG or TIFF, or leave it out of the list");
@@ -39,7 +33,7 @@ cv::Mat readPicture(const std::filesystem::path& path, int mode) {
 
 /// Depth in metres as stored; 0 where nothing came back.
 cv::Mat1f readDepth(const PhotoSource& source) {
-    const cv::Mat stored = readPicture(source.depthPath, cv::IMREAD_UNCHANGED);
+    const cv::Mat stored = pictureFrom(source.depthPath, PictureKind::asStored);
     if (stored.channels() != 1)
         throw Failure("depth picture has " + std::to_string(stored.channels()) + " channels", source.depthPath,
                       "depth is one channel of 16 bit steps or 32 bit metres");
@@ -98,8 +92,7 @@ Undistortion findUndistortion(const PhotoSource& source) {
 
 DepthImage readPhoto(const PhotoSource& source) {
     const Camera& camera = source.camera;
-    // As stored: depth is registered to the pixels, not to how a viewer is asked to turn them.
-    cv::Mat colour = readPicture(source.colourPath, cv::IMREAD_COLOR | cv::IMREAD_IGNORE_ORIENTATION);
+    cv::Mat colour = pictureFrom(source.colourPath, PictureKind::colour);
     const cv::Mat1f depth = readDepth(source);
     if (colour.cols != camera.width || colour.rows != camera.height)
         throw Failure("picture is " + sizeText(colour.cols, colour.rows) + " but its camera is " +

@@ -1,5 +1,7 @@
 #include "scene/import/polygon_textures.h"
 
+#include "scene/picture_codec.h"
+
 #include "scene/import/polygon_files.h"
 
 #include <algorithm>
@@ -7,7 +9,6 @@
 #include <iterator>
 
 #include <assimp/scene.h>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 namespace scene {
@@ -39,7 +40,7 @@ PolygonTextures::Picture PolygonTextures::read(const std::string& named) {
         scene_.remarks.push_back("texture " + quoted(named) + " " + why + "; what it is on is drawn grey");
         return Picture{};
     };
-    std::vector<char> bytes;
+    std::vector<std::uint8_t> bytes;
     if (const aiTexture* embedded = source_.GetEmbeddedTexture(named.c_str())) {
         if (embedded->mHeight != 0) { // plain texels
             const auto width = static_cast<int>(embedded->mWidth), height = static_cast<int>(embedded->mHeight);
@@ -52,7 +53,7 @@ PolygonTextures::Picture PolygonTextures::read(const std::string& named) {
             }
             return picture;
         }
-        const auto* first = reinterpret_cast<const char*>(embedded->pcData);
+        const auto* first = reinterpret_cast<const std::uint8_t*>(embedded->pcData);
         bytes.assign(first, first + embedded->mWidth);
     } else {
         const std::filesystem::path path = findWithin(folder_, named);
@@ -63,12 +64,7 @@ PolygonTextures::Picture PolygonTextures::read(const std::string& named) {
         bytes.assign(std::istreambuf_iterator<char>(file), {});
         scene_.files.push_back(path);
     }
-    cv::Mat decoded;
-    try {
-        if (!bytes.empty()) decoded = cv::imdecode(bytes, cv::IMREAD_UNCHANGED | cv::IMREAD_IGNORE_ORIENTATION);
-    } catch (const cv::Exception&) {
-        decoded.release();
-    }
+    const cv::Mat decoded = decodePicture(bytes, PictureKind::asStored);
     if (decoded.empty()) return missing("is damaged or of an unknown format");
     if (decoded.cols > kMaxTextureSize || decoded.rows > kMaxTextureSize)
         return missing("is larger than " + std::to_string(kMaxTextureSize) + " pixels");

@@ -1,6 +1,7 @@
 #include "scene/import/tum_rgbd.h"
 
 #include "scene/errors.h"
+#include "scene/picture_codec.h"
 
 #include <algorithm>
 #include <charconv>
@@ -11,7 +12,7 @@
 
 #include <glm/gtc/quaternion.hpp>
 
-#include <opencv2/imgcodecs.hpp>
+#include <opencv2/core.hpp>
 
 namespace scene {
 
@@ -151,11 +152,7 @@ Intrinsics findIntrinsics(const std::filesystem::path& folder, std::vector<std::
 
 /// Empty if the picture cannot be read.
 cv::Size sizeOf(const std::filesystem::path& picture) {
-    try {
-        return cv::imread(picture.string(), cv::IMREAD_COLOR | cv::IMREAD_IGNORE_ORIENTATION).size();
-    } catch (const cv::Exception&) { // larger than OpenCV reads
-        return {};
-    }
+    return readPicture(picture, PictureKind::colour).size();
 }
 
 } // namespace
