@@ -50,8 +50,8 @@ std::size_t placeOf(const Image<T>& image, int row) {
     return static_cast<std::size_t>(row) * static_cast<std::size_t>(image.width());
 }
 
-/// Neighbours' differences are what compresses well in colours and in noisy ranges. Ranges that are stored in steps hold
-/// few numbers, often the same ones: as they are they take two thirds of the room and a third of the time.
+/// Neighbours' differences are what compresses well in colours and in noisy ranges. Ranges that are stored in steps
+/// hold few numbers, often the same ones: as they are they take two thirds of the room and a third of the time.
 int predictorFor(const Image<float>& disparity) {
     constexpr std::size_t kAsked = 4096;
     const auto pixels = disparity.pixels();

@@ -20,7 +20,8 @@ namespace scene {
 namespace {
 
 constexpr std::uint64_t kMostPixels = std::uint64_t{1} << 30;
-/// Deflate makes at most so many bytes of one: a file that claims more pixels is damaged, and no memory is taken for it.
+/// Deflate makes at most so many bytes of one: a file that claims more pixels is damaged, and no memory is taken for
+/// it.
 constexpr std::uint64_t kBestDeflate = 1040;
 
 using Bytes = std::span<const std::uint8_t>;
@@ -60,7 +61,8 @@ std::optional<PngFormat> formatOf(spng_ctx* png, const spng_ihdr& header, Pictur
     case SPNG_COLOR_TYPE_TRUECOLOR_ALPHA:
         if (header.bit_depth == 16) return std::nullopt;
         return PngFormat{SPNG_FMT_RGBA8, CV_8UC4};
-    default: return std::nullopt;
+    default:
+        return std::nullopt;
     }
 }
 
@@ -175,8 +177,8 @@ cv::Mat readPicture(const std::filesystem::path& path, PictureKind kind) {
 
 std::vector<std::uint8_t> encodePng(const Image<Rgb8>& picture) {
     static_assert(sizeof(Rgb8) == 3);
-    return encodeRows(reinterpret_cast<const std::uint8_t*>(picture.pixels().data()), picture.width(),
-                      picture.height(), 3);
+    return encodeRows(reinterpret_cast<const std::uint8_t*>(picture.pixels().data()), picture.width(), picture.height(),
+                      3);
 }
 
 std::vector<std::uint8_t> encodePng(const Image<std::uint8_t>& picture) {

@@ -1,9 +1,9 @@
 #include "scene/import/e57.h"
 
 #include "scene/errors.h"
-#include "scene/picture_codec.h"
 #include "scene/import/e57_file.h"
 #include "scene/import/scan_name.h"
+#include "scene/picture_codec.h"
 
 #include <cmath>
 #include <limits>

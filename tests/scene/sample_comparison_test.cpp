@@ -21,7 +21,8 @@ DepthImage roughImage(const Camera& camera, const Pose& pose, RandomPlaces& rand
     });
     for (std::size_t i = 0; i < image.flags.size(); ++i)
         if (random.between(0, 1) < 0.05) {
-            constexpr std::uint8_t kKinds[] = {kNoSurface, kNoSurface | kInterpolated, kFloating, kRedundant, kSkinLower};
+            constexpr std::uint8_t kKinds[] = {kNoSurface, kNoSurface | kInterpolated, kFloating, kRedundant,
+                                               kSkinLower};
             image.flags.pixels()[i] = kKinds[random.integerBetween(0, 4)];
             if (image.flags.pixels()[i] == kNoSurface) image.disparity.pixels()[i] = 0;
         }

@@ -21,9 +21,7 @@ class PatchCost : public VectorWidths {
     static float sumByAll(const Image<Rgb8>& photograph, const PatchSamples& patch, const PatchPlaces& places,
                           float most) {
         const float sum = sumOfDifferences(photograph, patch, places, most);
-        forEach([&](const char* width) {
-            EXPECT_EQ(sumOfDifferences(photograph, patch, places, most), sum) << width;
-        });
+        forEach([&](const char* width) { EXPECT_EQ(sumOfDifferences(photograph, patch, places, most), sum) << width; });
         return sum;
     }
 };
