@@ -1,12 +1,12 @@
 #include "app/picture_keeper.h"
 
 #include "app/stage_store.h"
-#include "scene/errors.h"
 #include "scene/picture_codec.h"
 
 #include <algorithm>
 #include <cstdio>
 #include <ctime>
+#include <exception>
 #include <filesystem>
 
 #include <opencv2/imgproc.hpp>
@@ -61,11 +61,12 @@ PictureKeeper::~PictureKeeper() {
 void PictureKeeper::keep(std::span<const xr::WindowPicture> pictures, const glm::dvec3& place) {
     if (pictures.empty()) return;
     const std::string name = nameNow(".png");
-    const std::vector<std::uint8_t> encoded = scene::encodePng(sideBySide(pictures));
-    bool isWritten = !encoded.empty();
+    bool isWritten = false;
     try {
-        if (isWritten) writeWhole(name, std::as_bytes(std::span(encoded)));
-    } catch (const scene::Failure&) {
+        const std::vector<std::uint8_t> encoded = scene::encodePng(sideBySide(pictures));
+        if (!encoded.empty()) writeWhole(name, std::as_bytes(std::span(encoded)));
+        isWritten = !encoded.empty();
+    } catch (const std::exception&) { // a walk does not end with a picture
         isWritten = false;
     }
     if (isWritten)

@@ -56,8 +56,9 @@ int predictorFor(const Image<float>& disparity) {
     constexpr std::size_t kAsked = 4096;
     const auto pixels = disparity.pixels();
     std::vector<float> some;
-    for (std::size_t i = 0; i < pixels.size(); i += std::max<std::size_t>(pixels.size() / kAsked, 1))
-        some.push_back(pixels[i]);
+    // An odd step, or of a picture as wide as the step only one column would be asked.
+    for (std::size_t i = 0; i < pixels.size(); i += pixels.size() / kAsked | 1)
+        if (pixels[i] > 0) some.push_back(pixels[i]);
     const std::size_t asked = some.size();
     std::sort(some.begin(), some.end());
     some.erase(std::unique(some.begin(), some.end()), some.end());

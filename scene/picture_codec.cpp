@@ -1,14 +1,17 @@
 #include "scene/picture_codec.h"
 
+#include "scene/errors.h"
+
 #include <algorithm>
-#include <array>
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <iterator>
 #include <limits>
 #include <memory>
+#include <new>
 #include <optional>
+#include <string>
 
 #include <dlfcn.h>
 #include <opencv2/core.hpp>
@@ -23,6 +26,11 @@ constexpr std::uint64_t kMostPixels = std::uint64_t{1} << 30;
 /// Deflate makes at most so many bytes of one: a file that claims more pixels is damaged, and no memory is taken for
 /// it.
 constexpr std::uint64_t kBestDeflate = 1040;
+
+/// OpenCV counts bytes in an int.
+constexpr std::size_t kMostBytes = std::numeric_limits<int>::max();
+/// Huffman's codes take a bit at least of each square of 8x8 pixels.
+constexpr std::uint64_t kBestHuffman = 512;
 
 using Bytes = std::span<const std::uint8_t>;
 
@@ -96,27 +104,39 @@ Decoded decodeJpeg(Bytes bytes, PictureKind kind) {
     if (tjDecompressHeader3(jpeg.get(), bytes.data(), bytes.size(), &width, &height, &sampling, &space) != 0)
         return std::nullopt;
     if (space == TJCS_CMYK || space == TJCS_YCCK) return std::nullopt;
-    if (static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height) > kMostPixels) return cv::Mat();
+    const std::uint64_t pixels = static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height);
+    if (pixels > kMostPixels) return cv::Mat();
+    if (pixels > bytes.size() * kBestHuffman) return std::nullopt;
     const bool isGrey = kind == PictureKind::asStored && space == TJCS_GRAY;
     cv::Mat picture(height, width, isGrey ? CV_8UC1 : CV_8UC3);
+    // The first warning ends it: after one, TurboJPEG does not tell what else went wrong.
     if (tjDecompress2(jpeg.get(), bytes.data(), bytes.size(), picture.data, width, 0, height,
-                      isGrey ? TJPF_GRAY : TJPF_BGR, 0) != 0) {
-        // Many cameras write what is warned of; what is cut off would go on in grey that nobody photographed.
-        const bool isCutOff = std::strstr(tjGetErrorStr2(jpeg.get()), "Premature end") != nullptr;
-        if (tjGetErrorCode(jpeg.get()) != TJERR_WARNING || isCutOff) return cv::Mat();
+                      isGrey ? TJPF_GRAY : TJPF_BGR, TJFLAG_STOPONWARNING) == 0)
+        return picture;
+    // What is cut off would go on in grey that nobody photographed. Of other warnings cameras' files are full.
+    if (std::strstr(tjGetErrorStr2(jpeg.get()), "Premature end") != nullptr) return cv::Mat();
+    return std::nullopt;
+}
+
+using Decode = decltype(&revisitDecodePicture);
+
+Decode loadDecoder() {
+    // Found by the run path of the program.
+    void* const library = dlopen("librevisit_pictures.so", RTLD_NOW | RTLD_LOCAL);
+    void* const decode = library != nullptr ? dlsym(library, "revisitDecodePicture") : nullptr;
+    if (decode == nullptr) {
+        const char* const why = dlerror();
+        throw Failure(std::string("cannot be loaded (") + (why != nullptr ? why : "unknown") + ")",
+                      std::string("librevisit_pictures.so"),
+                      "keep the program's folders bin and lib beside each other, or build again");
     }
-    return picture;
+    return reinterpret_cast<Decode>(decode);
 }
 
 cv::Mat decodeOther(Bytes bytes, PictureKind kind) {
-    // Found by the run path of the program.
-    static void* const library = dlopen("librevisit_pictures.so", RTLD_NOW | RTLD_LOCAL);
-    if (library == nullptr) return {};
-    static const auto decode =
-        reinterpret_cast<decltype(&revisitDecodePicture)>(dlsym(library, "revisitDecodePicture"));
+    static const Decode decode = loadDecoder();
     cv::Mat picture;
-    if (decode != nullptr && bytes.size() <= static_cast<std::size_t>(std::numeric_limits<int>::max()))
-        decode(bytes.data(), bytes.size(), kind, &picture);
+    if (bytes.size() <= kMostBytes) decode(bytes.data(), bytes.size(), kind, &picture);
     return picture;
 }
 
@@ -152,7 +172,7 @@ std::vector<std::uint8_t> encodeRows(const std::uint8_t* rows, int width, int he
 
 } // namespace
 
-cv::Mat decodePicture(std::span<const std::uint8_t> bytes, PictureKind kind) {
+cv::Mat decodePicture(std::span<const std::uint8_t> bytes, PictureKind kind) try {
     Decoded decoded;
     if (startsWith(bytes, {0x89, 'P', 'N', 'G'}))
         decoded = decodePng(bytes, kind);
@@ -161,6 +181,9 @@ cv::Mat decodePicture(std::span<const std::uint8_t> bytes, PictureKind kind) {
     else if (bytes.empty())
         return {};
     return decoded ? *decoded : decodeOther(bytes, kind);
+} catch (const cv::Exception& e) {
+    if (e.code == cv::Error::StsNoMem) throw std::bad_alloc();
+    return {};
 }
 
 cv::Mat readPicture(const std::filesystem::path& path, PictureKind kind) {
@@ -168,7 +191,7 @@ cv::Mat readPicture(const std::filesystem::path& path, PictureKind kind) {
     if (!std::filesystem::is_regular_file(path, ignored)) return {};
     std::ifstream file(path, std::ios::binary | std::ios::ate);
     const auto size = static_cast<std::streamoff>(file.tellg());
-    if (!file || size <= 0) return {};
+    if (!file || size <= 0 || static_cast<std::uintmax_t>(size) > kMostBytes) return {};
     std::vector<std::uint8_t> bytes(static_cast<std::size_t>(size));
     file.seekg(0);
     if (!file.read(reinterpret_cast<char*>(bytes.data()), size)) return {};

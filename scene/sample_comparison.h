@@ -1,9 +1,10 @@
 #pragma once
-// compareWith for many samples of one image against one other, by vectors: what the stages of refine spend most of
+// compareWith for many samples of one image against one other, by vectors: what the stages of a build spend much of
 // their time on.
 
 #include "scene/reprojection.h"
 
+#include <cassert>
 #include <cstdint>
 #include <vector>
 
@@ -21,6 +22,7 @@ class SampleComparison {
     int most() const { return most_; }
     /// A place in the source's image, pixels, and the disparity there (1/m).
     void add(float x, float y, float disparity) {
+        assert(count_ < most_);
         const auto i = static_cast<std::size_t>(count_++);
         x_[i] = x, y_[i] = y, disparity_[i] = disparity;
     }
@@ -35,7 +37,7 @@ class SampleComparison {
 
     /// Before the target, and within its image.
     bool isSeen(int i) const { return code(i) != Code::unseen; }
-    /// Where; of samples that are seen.
+    /// Where; of samples that are seen. w is not kept.
     Sighting sighting(int i) const { return {u_[at(i)], v_[at(i)], seenDisparity_[at(i)], 1.f}; }
 
     Relation relation(int i) const {

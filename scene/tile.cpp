@@ -221,7 +221,7 @@ class TierCutter {
         }
     };
 
-    /// There are few.
+    /// Adds a distance that is new; there are few.
     static void note(std::vector<int>& distances, int distance) {
         if (std::find(distances.begin(), distances.end(), distance) == distances.end()) distances.push_back(distance);
     }

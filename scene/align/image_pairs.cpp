@@ -53,11 +53,11 @@ bool isWithin(const Image<float>& picture, double u, double v) {
 
 /// Samples of a pair are far apart: what will be read about the next ones is in no cache, unless it is asked for
 /// before.
+/// The place is as for slopeAt.
 void prefetchAbout(const Image<float>& picture, double u, double v) {
-    const int x = std::min(static_cast<int>(u), picture.width() - 1),
-              y = std::min(static_cast<int>(v), picture.height() - 1);
+    const int x = static_cast<int>(u - 0.5), y = static_cast<int>(v - 0.5);
     hwy::Prefetch(&picture(x, y));
-    hwy::Prefetch(&picture(x, std::max(y - 1, 0)));
+    hwy::Prefetch(&picture(x, y + 1));
 }
 
 /// As widenSlope reads it.
@@ -137,7 +137,7 @@ ImagePairSums comparePair(const ImageSketch& a, SampleComparison& samples, const
         if (!isWithin(b.depth.disparity, u, v)) continue;
         agreeing.push_back(i);
         prefetchAbout(b.depth, u, v);
-        prefetchAbout(greyB, u * perPixel, v * perPixel);
+        if (isWithin(greyB, u * perPixel, v * perPixel)) prefetchAbout(greyB, u * perPixel, v * perPixel);
     }
     for (const int i : agreeing) {
         const Sighting at = samples.sighting(i);
