@@ -1,15 +1,19 @@
 #include "app/film_writer.h"
 
-#include <dlfcn.h>
+#include "scene/errors.h"
+#include "scene/late_library.h"
+
+#include <cstdio>
 
 namespace app {
 
-std::unique_ptr<FilmWriter> openFilm(const std::string& file, int rate, int width, int height) {
-    // Found by the run path of the program; never unloaded, since films outlive this call.
-    static void* const library = dlopen("librevisit_film.so", RTLD_NOW | RTLD_LOCAL);
-    if (library == nullptr) return nullptr;
-    static const auto open = reinterpret_cast<decltype(&revisitOpenFilm)>(dlsym(library, "revisitOpenFilm"));
-    return std::unique_ptr<FilmWriter>(open != nullptr ? open(file.c_str(), rate, width, height) : nullptr);
+std::unique_ptr<FilmWriter> openFilm(const std::string& file, int rate, int width, int height) try {
+    static const auto open =
+        reinterpret_cast<decltype(&revisitOpenFilm)>(scene::functionOfLibrary("librevisit_film.so", "revisitOpenFilm"));
+    return std::unique_ptr<FilmWriter>(open(file.c_str(), rate, width, height));
+} catch (const scene::Failure& failure) { // a walk does not end with a film
+    std::fprintf(stderr, "revisit: %s\n", failure.what());
+    return nullptr;
 }
 
 } // namespace app

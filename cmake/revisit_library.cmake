@@ -6,3 +6,14 @@ function(revisit_library name)
     target_include_directories(${name} PUBLIC ${CMAKE_SOURCE_DIR})
     target_link_libraries(${name} PUBLIC ${ARG_LINKS} PRIVATE revisit_flags ${ARG_PRIVATE_LINKS})
 endfunction()
+
+# revisit_late_library(name SOURCE LINKS ...): a library of ours that programs load when they first need it
+# (scene/late_library.h), which they find in their run path.
+function(revisit_late_library name source)
+    cmake_parse_arguments(ARG "" "" "LINKS" ${ARGN})
+    add_library(${name} MODULE ${source})
+    target_include_directories(${name} PRIVATE ${CMAKE_SOURCE_DIR})
+    target_include_directories(${name} SYSTEM PRIVATE ${OpenCV_INCLUDE_DIRS})
+    target_link_libraries(${name} PRIVATE revisit_flags ${ARG_LINKS})
+    set_target_properties(${name} PROPERTIES LIBRARY_OUTPUT_DIRECTORY ${CMAKE_ARCHIVE_OUTPUT_DIRECTORY})
+endfunction()

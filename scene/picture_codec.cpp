@@ -1,6 +1,6 @@
 #include "scene/picture_codec.h"
 
-#include "scene/errors.h"
+#include "scene/late_library.h"
 
 #include <algorithm>
 #include <cstdlib>
@@ -11,9 +11,7 @@
 #include <memory>
 #include <new>
 #include <optional>
-#include <string>
 
-#include <dlfcn.h>
 #include <opencv2/core.hpp>
 #include <spng.h>
 #include <turbojpeg.h>
@@ -118,23 +116,9 @@ Decoded decodeJpeg(Bytes bytes, PictureKind kind) {
     return std::nullopt;
 }
 
-using Decode = decltype(&revisitDecodePicture);
-
-Decode loadDecoder() {
-    // Found by the run path of the program.
-    void* const library = dlopen("librevisit_pictures.so", RTLD_NOW | RTLD_LOCAL);
-    void* const decode = library != nullptr ? dlsym(library, "revisitDecodePicture") : nullptr;
-    if (decode == nullptr) {
-        const char* const why = dlerror();
-        throw Failure(std::string("cannot be loaded (") + (why != nullptr ? why : "unknown") + ")",
-                      std::string("librevisit_pictures.so"),
-                      "keep the program's folders bin and lib beside each other, or build again");
-    }
-    return reinterpret_cast<Decode>(decode);
-}
-
 cv::Mat decodeOther(Bytes bytes, PictureKind kind) {
-    static const Decode decode = loadDecoder();
+    static const auto decode = reinterpret_cast<decltype(&revisitDecodePicture)>(
+        functionOfLibrary("librevisit_pictures.so", "revisitDecodePicture"));
     cv::Mat picture;
     if (bytes.size() <= kMostBytes) decode(bytes.data(), bytes.size(), kind, &picture);
     return picture;

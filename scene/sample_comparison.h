@@ -67,6 +67,7 @@ class SampleComparison {
         }
         return whole(i);
     }
+
     /// What vectors find out. Silhouettes, rims and what stands before the target's surface are asked one by one.
     enum class Code : std::int32_t { unseen, agrees, behind, askWhole };
 

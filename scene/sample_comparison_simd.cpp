@@ -34,6 +34,21 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 using Floats = hn::CappedTag<float, kMostComparedLanes>;
 using Ints = hn::RebindToSigned<Floats>;
+using FloatVector = hn::Vec<Floats>;
+
+HWY_INLINE FloatVector set(float value) {
+    return hn::Set(Floats(), value);
+}
+HWY_INLINE hn::Vec<Ints> code(SampleComparison::Code value) {
+    return hn::Set(Ints(), static_cast<std::int32_t>(value));
+}
+
+/// Within [0, width) x [0, height).
+HWY_INLINE hn::Mask<Floats> areIn(FloatVector x, FloatVector y, int width, int height) {
+    const FloatVector zero = hn::Zero(Floats());
+    return hn::And(hn::And(hn::Ge(x, zero), hn::Ge(y, zero)),
+                   hn::And(hn::Lt(x, set(static_cast<float>(width))), hn::Lt(y, set(static_cast<float>(height)))));
+}
 
 /// What is read of the target for some samples at a time: vectors find the places, single reads fetch what stands there
 /// (they are faster than vectors' own gathering), vectors compare.
@@ -50,10 +65,6 @@ void findCorners(const Camera& camera, const Reprojection& into, std::size_t fir
                  const ComparisonArrays& a, Corners& corners) {
     const Floats floats;
     const Ints ints;
-    const auto set = [&](float value) HWY_ATTR { return hn::Set(floats, value); };
-    const auto code = [&](SampleComparison::Code value)
-                          HWY_ATTR { return hn::Set(ints, static_cast<std::int32_t>(value)); };
-    const auto zero = hn::Zero(floats);
     for (std::size_t i = first; i < end; i += hn::Lanes(floats)) {
         const auto x = hn::LoadU(floats, a.x + i), y = hn::LoadU(floats, a.y + i);
         const auto d = hn::LoadU(floats, a.disparity + i);
@@ -68,12 +79,7 @@ void findCorners(const Camera& camera, const Reprojection& into, std::size_t fir
         hn::StoreU(u, floats, a.u + i);
         hn::StoreU(v, floats, a.v + i);
         hn::StoreU(hn::Mul(d, perW), floats, a.seenDisparity + i);
-        const auto areIn = [&](const auto& p, const auto& q, int width, int height) HWY_ATTR {
-            return hn::And(
-                hn::And(hn::Ge(p, zero), hn::Ge(q, zero)),
-                hn::And(hn::Lt(p, set(static_cast<float>(width))), hn::Lt(q, set(static_cast<float>(height)))));
-        };
-        const auto isSeen = hn::And(hn::Gt(w, zero), areIn(u, v, camera.width, camera.height));
+        const auto isSeen = hn::And(hn::Gt(w, hn::Zero(floats)), areIn(u, v, camera.width, camera.height));
         const auto left = hn::Sub(u, set(0.5f)), top = hn::Sub(v, set(0.5f));
         const auto hasCorners = hn::And(isSeen, areIn(left, top, camera.width - 1, camera.height - 1));
         const auto column = hn::ConvertTo(ints, hn::IfThenElseZero(hasCorners, left)),
@@ -105,10 +111,6 @@ void settle(const Camera& camera, const ComparisonOptions& options, std::size_t 
             const ComparisonArrays& a, const Corners& corners) {
     const Floats floats;
     const Ints ints;
-    const auto set = [&](float value) HWY_ATTR { return hn::Set(floats, value); };
-    const auto code = [&](SampleComparison::Code value)
-                          HWY_ATTR { return hn::Set(ints, static_cast<std::int32_t>(value)); };
-    const auto zero = hn::Zero(floats);
     const auto noSurface = hn::Set(ints, (kNoSurface | kFloating) * 0x0101);
     for (std::size_t i = first; i < end; i += hn::Lanes(floats)) {
         const std::size_t k = i - first;
@@ -118,9 +120,7 @@ void settle(const Camera& camera, const ComparisonOptions& options, std::size_t 
         const auto left = hn::Sub(hn::LoadU(floats, a.u + i), set(0.5f)),
                    top = hn::Sub(hn::LoadU(floats, a.v + i), set(0.5f));
         const auto isSeen = hn::Ne(hn::LoadU(ints, a.codes + i), code(SampleComparison::Code::unseen));
-        const auto hasCorners = hn::And(hn::And(hn::Ge(left, zero), hn::Ge(top, zero)),
-                                        hn::And(hn::Lt(left, set(static_cast<float>(camera.width - 1))),
-                                                hn::Lt(top, set(static_cast<float>(camera.height - 1)))));
+        const auto hasCorners = areIn(left, top, camera.width - 1, camera.height - 1);
         const auto areSurfaces = hn::Eq(hn::And(hn::Load(ints, corners.flags + k), noSurface), hn::Zero(ints));
         const auto highest = hn::Max(hn::Max(d00, d10), hn::Max(d01, d11));
         const auto slope = hn::Sub(highest, hn::Min(hn::Min(d00, d10), hn::Min(d01, d11)));
@@ -140,7 +140,7 @@ void settle(const Camera& camera, const ComparisonOptions& options, std::size_t 
             hn::Add(hn::Mul(set(options.sameSurface), seen), hn::Mul(set(options.pixelError), slope));
         const auto difference = hn::Sub(seen, surface);
         const auto agrees = hn::And(isSmooth, hn::Le(hn::Abs(difference), tolerance));
-        const auto isBehind = hn::And(isSmooth, hn::Lt(difference, zero));
+        const auto isBehind = hn::And(isSmooth, hn::Lt(difference, hn::Zero(floats)));
         auto result = hn::LoadU(ints, a.codes + i);
         result = hn::IfThenElse(hn::RebindMask(ints, isBehind), code(SampleComparison::Code::behind), result);
         result = hn::IfThenElse(hn::RebindMask(ints, agrees), code(SampleComparison::Code::agrees), result);

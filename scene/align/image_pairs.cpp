@@ -52,8 +52,7 @@ bool isWithin(const Image<float>& picture, double u, double v) {
 }
 
 /// Samples of a pair are far apart: what will be read about the next ones is in no cache, unless it is asked for
-/// before.
-/// The place is as for slopeAt.
+/// before. The place is as for slopeAt.
 void prefetchAbout(const Image<float>& picture, double u, double v) {
     const int x = static_cast<int>(u - 0.5), y = static_cast<int>(v - 0.5);
     hwy::Prefetch(&picture(x, y));
