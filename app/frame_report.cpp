@@ -56,6 +56,7 @@ double deviceMilliseconds(const render::FrameStats& stats) {
 void FrameReport::add(const render::FrameStats& stats, double wallMilliseconds) {
     ++frames_;
     framesInOnePass_ += stats.isOnePass ? 1 : 0;
+    framesStanding_ += stats.isStanding ? 1 : 0;
     last_ = stats;
     milliseconds_["wall.frame"].add(wallMilliseconds);
     milliseconds_["cpu.frame"].add(processorMilliseconds(stats));
@@ -93,6 +94,7 @@ json FrameReport::summarise(const render::Device& device, const render::GpuScene
     report["commit"] = kCommit;
     report["frames"] = frames_;
     report["frames_in_one_pass"] = framesInOnePass_;
+    report["frames_standing"] = framesStanding_;
     report["frame_ms"] = frame;
     if (!frame.is_null()) report["frames_per_second_median"] = 1000.0 / std::max(frame["median"].get<double>(), 1e-6);
     report["cpu_ms"] = cpu;

@@ -36,7 +36,7 @@ class FrameReport {
   private:
     std::map<std::string, Spread> milliseconds_; ///< by "cpu.cull.left" and so on
     Spread tested_, rejected_, drawn_, samples_, triangles_;
-    std::size_t frames_ = 0, framesInOnePass_ = 0;
+    std::size_t frames_ = 0, framesInOnePass_ = 0, framesStanding_ = 0;
     render::FrameStats last_;
 };
 

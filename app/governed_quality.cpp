@@ -3,6 +3,7 @@
 #include "app/quality_file.h"
 
 #include <algorithm>
+#include <string_view>
 
 namespace app {
 
@@ -25,6 +26,9 @@ const render::Quality& GovernedQuality::next(const render::Quality& asked, std::
 void GovernedQuality::tell(const render::FrameStats& stats, bool isProcessor) {
     if (!governor_ || stats.gpu.empty() || told_ == stats.gpuFrame) return;
     told_ = stats.gpuFrame;
+    // A frame that stands says nothing of what warping costs.
+    const auto isWarp = [](const render::StepTime& time) { return std::string_view(time.step) == "warp"; };
+    if (std::ranges::none_of(stats.gpu, isWarp)) return;
     const double processor = processorMilliseconds(stats), device = deviceMilliseconds(stats);
     governor_->tell(stats.gpuFrame, isProcessor ? processor + device : std::max(processor, device));
 }

@@ -342,6 +342,7 @@ void Walk::draw(WalkStage& stage, xr::ViewSource& source, const xr::Frame& frame
     if (isDesk(source) || (deskSide_ != nullptr && deskSide_->desk.wantsPicture())) renderer.keepNext();
     // What is kept as a file is of one size, and any picture at the desk may be.
     renderer.letDisplayEnlarge(!isDesk(source) && !knobs_.isFilmed && !record_.wantsPicture(static_cast<int>(frame_)));
+    renderer.letFramesStand(isDesk(source)); // in a headset no head is as still as that
     drawn_ = without(governed_ ? governed_->next(knobs_.quality, renderer.frames()) : knobs_.quality, givenUp_);
     stage.gpuScene().showOnly(selection_.choose(std::span(views).first(eyes), drawn_, seconds_));
     fillOverlay(source);

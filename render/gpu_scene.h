@@ -6,6 +6,7 @@
 #include "render/tile_pool.h"
 #include "render/tile_stream.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <limits>
 #include <memory>
@@ -62,10 +63,14 @@ class GpuScene {
 
     /// From the next frame on.
     void showOnly(const ImageShares& shares) {
+        if (!std::ranges::equal(shares.now, shares_)) ++changes_;
         shares_.assign(shares.now.begin(), shares.now.end());
         soon_.assign(shares.soon.begin(), shares.soon.end());
     }
     std::span<const float> shares() const { return shares_; }
+
+    /// Grows whenever a frame may show other samples than the one before, from the same place.
+    std::uint64_t changes() const { return changes_ + (stream_ ? stream_->changes() : 0); }
 
     /// Before each frame that these eyes get (see TileStream); nothing to do where all is there.
     void follow(std::span<const scene::View> eyes, const Quality& quality) {
@@ -89,6 +94,7 @@ class GpuScene {
     std::vector<float> shares_, soon_;
     std::vector<std::uint32_t> damaged_;
     std::size_t bytesKept_ = 0;
+    std::uint64_t changes_ = 0;
     std::unique_ptr<TileStream> stream_; ///< goes first; null where all is there
 };
 

@@ -15,6 +15,7 @@ struct EyeTarget;
 
 struct PictureSize {
     int width = 0, height = 0; ///< pixels
+    friend bool operator==(const PictureSize&, const PictureSize&) = default;
 };
 
 /// An image of four bytes a pixel in the order r, g, b, a (UNORM or SRGB: bytes are copied as they are), as large as

@@ -76,6 +76,8 @@ struct Quality {
     /// pictures, for several times the time.
     bool isBlended = false;
     scene::BlendOptions blend{}; ///< of that pass
+
+    friend bool operator==(const Quality&, const Quality&) = default;
 };
 
 /// How wide coarser samples may be seen, in pixels of what is warped; 0: none stand for finer ones. The mesh is all of

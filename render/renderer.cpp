@@ -87,16 +87,19 @@ FrameStats Renderer::draw(std::span<const scene::View> views, const Quality& qua
     }
 
     chooseResolution(quality, overlay != nullptr && !overlay->labels.empty());
+    Warped warped{{views.begin(), views.end()}, quality, picture_, scene_.changes()};
+    isStanding_ = letsFramesStand_ && warped == lastWarped_;
+    lastWarped_ = std::move(warped);
     tbb::parallel_for(std::size_t{0}, eyes_.size(), [&](std::size_t i) {
-        const int index = static_cast<int>(i);
-        choose(eyes_[i], views[i], quality, index);
+        eyes_[i].times.clear();
+        if (!isStanding_) choose(eyes_[i], views[i], quality, static_cast<int>(i));
     });
-    makeRoom(quality);
-    const bool wasOnePass = std::exchange(isOnePass_, unite(quality, slot, stats));
+    if (!isStanding_) makeRoom(quality);
+    const bool wasOnePass = std::exchange(isOnePass_, !isStanding_ && unite(quality, slot, stats));
     if (wasOnePass && !isOnePass_ && !device_.eyesShareQueue()) streams_.waitForAll(); // it drew for both queues
     tbb::parallel_for(std::size_t{0}, eyes_.size(), [&](std::size_t i) {
         const int index = static_cast<int>(i);
-        list(eyes_[i], quality, slot, index);
+        if (!isStanding_) list(eyes_[i], quality, slot, index);
         prepareOverlay(eyes_[i], views[i], overlay != nullptr ? *overlay : Overlay{}, slot, index);
         recordCommands(eyes_[i], views[i], quality, outputs.empty() ? EyeOutput{} : outputs[i], slot, index);
     });
@@ -111,6 +114,7 @@ FrameStats Renderer::draw(std::span<const scene::View> views, const Quality& qua
           [&] { streams_.submit(slot, isOnePass_ ? EyeQueues::first : EyeQueues::own); });
 
     stats.isOnePass = isOnePass_;
+    stats.isStanding = isStanding_;
     stats.picture = picture_;
     for (std::size_t i = 0; i < eyes_.size(); ++i) {
         const Eye& eye = eyes_[i];
@@ -130,6 +134,12 @@ FrameStats Renderer::draw(std::span<const scene::View> views, const Quality& qua
     ++frames_;
     last_ = stats;
     return stats;
+}
+
+void Renderer::useCoverage(const GpuCoverage* coverage) {
+    streams_.waitForAll(); // what goes may be in use
+    coverage_ = coverage;
+    unseen_ = coverage != nullptr ? makeUnseenPipeline(device_, *coverage, eyeLayout_) : ComputePipeline{};
 }
 
 void Renderer::chooseResolution(const Quality& quality, bool hasLabels) {
@@ -215,7 +225,6 @@ bool Renderer::unite(const Quality& quality, std::size_t slot, FrameStats& stats
 void Renderer::choose(Eye& eye, const scene::View& given, const Quality& quality, int index) {
     assert(given.camera.width == width_ && given.camera.height == height_);
     const scene::View view{scene::resized(given.camera, eye.warpWidth, eye.warpHeight), given.worldFromEye};
-    eye.times.clear();
     timed(eye.times, "cull", index, [&] {
         const double margin = marginOf(quality, scene_);
         eye.sources = sourceViewsOf(scene_.images(), view, quality, scene_.index().spheres, margin, scene_.shares());
@@ -276,22 +285,7 @@ void Renderer::recordCommands(Eye& eye, const scene::View& view, const Quality& 
         if (!isOnePass_ || index == 0) record(commands, kAfterLastFrame);
         timer.begin(commands);
 
-        if (!isOnePass_)
-            recordClearAndWarp(commands, eye, quality, slot);
-        else if (index == 0)
-            recordOnePass(commands, quality, slot);
-
-        if (polygonPass_) {
-            recordPolygonsInto(commands, eye, view, eyeSet);
-            timer.mark(commands, "polygons");
-        }
-
-        if (quality.isBlended) {
-            recordBlend(commands, blend_, scene_, eyeSet, *eye.blend, slot, eye.blendList.runs, eye.warpWidth,
-                        eye.warpHeight);
-            record(commands, kAfterWarp);
-            timer.mark(commands, "blend");
-        }
+        if (!isStanding_) recordScene(commands, eye, view, quality, slot, index);
 
         recordResolve(commands, resolve_, eyeSet, eye.warpWidth, eye.warpHeight, quality.holes);
         if (quality.isBlended) {
@@ -334,6 +328,28 @@ void Renderer::recordCommands(Eye& eye, const scene::View& view, const Quality& 
             timer.mark(commands, "depth");
         }
     });
+}
+
+void Renderer::recordScene(VkCommandBuffer commands, Eye& eye, const scene::View& view, const Quality& quality,
+                           std::size_t slot, int index) {
+    const VkDescriptorSet eyeSet = eye.warped().sets[slot];
+    StepTimer& timer = eye.timers[slot];
+    if (!isOnePass_)
+        recordClearAndWarp(commands, eye, quality, slot);
+    else if (index == 0)
+        recordOnePass(commands, quality, slot);
+
+    if (polygonPass_) {
+        recordPolygonsInto(commands, eye, view, eyeSet);
+        timer.mark(commands, "polygons");
+    }
+
+    if (quality.isBlended) {
+        recordBlend(commands, blend_, scene_, eyeSet, *eye.blend, slot, eye.blendList.runs, eye.warpWidth,
+                    eye.warpHeight);
+        record(commands, kAfterWarp);
+        timer.mark(commands, "blend");
+    }
 }
 
 void Renderer::recordClearAndWarp(VkCommandBuffer commands, Eye& eye, const Quality& quality, std::size_t slot) {

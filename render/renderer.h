@@ -45,6 +45,7 @@ struct FrameStats {
                                ///< gpuFrame, empty while none has finished
     std::uint64_t gpuFrame = 0;
     bool isOnePass = false; ///< the eyes were warped together; their warp is a step of both
+    bool isStanding = false; ///< the scene was not warped anew (Renderer::letFramesStand)
     PictureSize picture;    ///< of what the eyes were given: the renderer's, or less (Renderer::letDisplayEnlarge)
     std::array<EyeCounts, kMaxEyes> eyes{};
 };
@@ -78,6 +79,14 @@ class Renderer {
     /// eyes are given: displays enlarge what they show anyway. Except where there are labels: text is read at the full
     /// resolution. Off at first.
     void letDisplayEnlarge(bool lets) { letsDisplayEnlarge_ = lets; }
+
+    /// Where eyes, knobs and what is there of the scene are those of the frame before, that is not warped again: what
+    /// stands in the z-buffers is resolved anew, with the unseen and the overlay. For walkers who stand still; off at
+    /// first, since who measures or compares frames wants each of them warped.
+    void letFramesStand(bool lets) { letsFramesStand_ = lets; }
+
+    /// What was observed, from the next frame on, or null; must outlive the renderer or its use. Waits for the device.
+    void useCoverage(const GpuCoverage* coverage);
 
     /// The pictures of the next frame are kept for takeKept, at the price of a copy on the device.
     void keepNext() { keepsNext_ = true; }
@@ -114,6 +123,14 @@ class Renderer {
         OverlayList overlay{};
         std::array<OverlayBuffers, kFramesInFlight> overlayBuffers{}; ///< made when first wanted
     };
+    /// What decides which keys stand in the z-buffers.
+    struct Warped {
+        std::vector<scene::View> eyes;
+        Quality quality;
+        PictureSize picture;
+        std::uint64_t sceneChanges = 0;
+        friend bool operator==(const Warped&, const Warped&) = default;
+    };
     void chooseResolution(const Quality& quality, bool hasLabels);
     void chooseEdgeSamples(const Quality& quality);
     /// What is warped into has room for so many pixels a side.
@@ -129,6 +146,8 @@ class Renderer {
     void prepareOverlay(Eye& eye, const scene::View& view, const Overlay& overlay, std::size_t slot, int index);
     void recordCommands(Eye& eye, const scene::View& view, const Quality& quality, const EyeOutput& output,
                         std::size_t slot, int index);
+    void recordScene(VkCommandBuffer commands, Eye& eye, const scene::View& view, const Quality& quality,
+                     std::size_t slot, int index);
     void recordClearAndWarp(VkCommandBuffer commands, Eye& eye, const Quality& quality, std::size_t slot);
     void recordOnePass(VkCommandBuffer commands, const Quality& quality, std::size_t slot);
     void recordKeeping(VkCommandBuffer commands, Eye& eye, std::size_t slot) const;
@@ -137,7 +156,7 @@ class Renderer {
     const Device& device_;
     const GpuScene& scene_;
     int width_, height_;
-    bool letsDisplayEnlarge_ = false;
+    bool letsDisplayEnlarge_ = false, letsFramesStand_ = false;
     PictureSize picture_{width_, height_}; ///< of this frame
     VkDescriptorSetLayout eyeLayout_ = VK_NULL_HANDLE;
     WarpPasses warps_;
@@ -156,6 +175,8 @@ class Renderer {
     std::optional<StereoTarget> stereoTarget_;
     PairList pairs_;
     bool isOnePass_ = false;   ///< in this frame
+    bool isStanding_ = false;  ///< in this frame
+    Warped lastWarped_;        ///< no eyes before the first frame
     std::uint64_t frames_ = 0; ///< drawn so far
     bool keepsNext_ = false;
     struct Kept {

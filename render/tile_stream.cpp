@@ -70,6 +70,7 @@ TileStream::~TileStream() {
 void TileStream::follow(const LookedAt& looked, std::span<ChunkPlace> places) {
     ++frame_;
     if (std::exchange(showsOnlyDesired_, false)) {
+        ++changes_;
         const std::lock_guard lock(mutex_);
         std::vector<bool> isOnItsWay(places.size(), false);
         for (const Arrival& arrival : arrived_)
@@ -100,6 +101,7 @@ void TileStream::settle(const LookedAt& looked, std::span<ChunkPlace> places) {
         for (std::size_t i = 0; i < places.size(); ++i)
             if (states_[i] == State::there) places[i] = isDesired[i] ? loaded_[i] : ChunkPlace{};
         showsOnlyDesired_ = true;
+        ++changes_;
         return;
     }
 }
@@ -125,7 +127,7 @@ void TileStream::takeOver(std::span<ChunkPlace> places, bool isIdle) {
         if (isStaged_)
             toCopy_.push_back(std::move(arrival));
         else
-            places[arrival.chunk] = arrival.place;
+            ++changes_, places[arrival.chunk] = arrival.place;
     }
     arrived_.clear();
     const auto stillOnItsWay = [&](std::uint32_t chunk) {
@@ -135,7 +137,7 @@ void TileStream::takeOver(std::span<ChunkPlace> places, bool isIdle) {
     };
     std::erase_if(mustLeave_, [&](std::uint32_t chunk) {
         if (isStaged_ && stillOnItsWay(chunk)) return false;
-        places[chunk] = {};
+        ++changes_, places[chunk] = {};
         resting_.push_back({chunk, frame_});
         return true;
     });
@@ -155,7 +157,7 @@ void TileStream::copyArrived(std::span<ChunkPlace> places) {
         if (status == VK_NOT_READY) return;
         check(status);
         for (const Arrival& arrival : copy_->running)
-            places[arrival.chunk] = arrival.place;
+            ++changes_, places[arrival.chunk] = arrival.place;
         copy_->running.clear();
     }
     if (toCopy_.empty()) return;

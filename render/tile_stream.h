@@ -49,6 +49,8 @@ class TileStream {
     /// Chunks that were found damaged since the last call, and are drawn as placeholders.
     std::vector<std::uint32_t> takeDamaged();
     StreamCounts counts() const;
+    /// How often what is there has changed, for the thread that draws.
+    std::uint64_t changes() const { return changes_; }
 
   private:
     enum class State : std::uint8_t { absent, there, leaving, kept };
@@ -99,7 +101,7 @@ class TileStream {
     bool isStaged_;
 
     // Of the thread that draws.
-    std::uint64_t frame_ = 0;
+    std::uint64_t frame_ = 0, changes_ = 0;
     std::vector<Resting> resting_; ///< not drawn any more, but perhaps still read
     std::deque<Arrival> toCopy_;
     std::unique_ptr<Copy> copy_;

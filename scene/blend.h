@@ -34,6 +34,7 @@ struct BlendOptions {
     float samplesRadius = 0.8f;   ///< of a spot, in samples of its image
     float pixelsRadius = 0.5f;    ///< what that is widened by, in the eye's pixels
     float maxRadius = 16.f;       ///< spots that reach farther, pixels, are left out: the front surface is shown alone
+    friend bool operator==(const BlendOptions&, const BlendOptions&) = default;
 };
 
 /// The spot that every sample of a tile becomes. At an offset (x, y) from its centre, pixels, it counts

@@ -25,6 +25,7 @@ struct Pose {
     glm::dvec3 translation{0.0};
 
     glm::dvec3 operator*(const glm::dvec3& pInA) const { return rotation * pInA + translation; }
+    friend bool operator==(const Pose&, const Pose&) = default;
 };
 
 /// cFromA of cFromB and bFromA.

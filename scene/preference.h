@@ -37,6 +37,7 @@ struct PreferenceOptions {
     int maxAreaLevels = 24; ///< at most
     int guessLevels =
         3; ///< guesses of range are pushed back by so many more: what was measured about there comes first
+    friend bool operator==(const PreferenceOptions&, const PreferenceOptions&) = default;
 };
 
 /// Where a tile's middle is, for a camera: rayInWorld is the ray of depth 1 through it, turned into the world;

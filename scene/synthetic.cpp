@@ -9,6 +9,7 @@
 #include <cassert>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <oneapi/tbb/collaborative_call_once.h>
 #include <tbb/parallel_for.h>
 
 namespace scene {
@@ -19,9 +20,9 @@ constexpr double kTwoPi = 6.283185307179586;
 
 glm::dvec3 colourAt(const SyntheticScene& scene, const glm::dvec3& origin, const glm::dvec3& direction,
                     const std::optional<RayHit>& hit) {
-    const SyntheticModel& model = scene.model();
+    const SyntheticModel& model = scene.litModel();
     const glm::dvec3 radiance =
-        hit ? radianceOf(model, scene.tracer(), scene.tracer().surfaceAt(origin, direction, *hit))
+        hit ? radianceOf(model, scene.tracer(), *hit, scene.tracer().surfaceAt(origin, direction, *hit))
             : skyRadiance(model.sky, direction);
     return exposed(radiance, model.exposure);
 }
@@ -40,14 +41,23 @@ std::vector<glm::dvec2> samplePlaces(int samplesPerPixel) {
 
 } // namespace
 
+// Lighting is parallel and may be asked for by parallel loops: who waits for it helps.
+struct SyntheticScene::LitOnce {
+    tbb::collaborative_once_flag flag;
+};
+
 SyntheticScene::SyntheticScene(SyntheticModel model)
-    : model_(std::make_unique<SyntheticModel>(std::move(model))), tracer_(std::make_unique<SyntheticTracer>(*model_)) {
-    lightModel(*model_, *tracer_);
-}
+    : model_(std::make_unique<SyntheticModel>(std::move(model))), tracer_(std::make_unique<SyntheticTracer>(*model_)),
+      litOnce_(std::make_unique<LitOnce>()) {}
 
 SyntheticScene::~SyntheticScene() = default;
 SyntheticScene::SyntheticScene(SyntheticScene&&) noexcept = default;
 SyntheticScene& SyntheticScene::operator=(SyntheticScene&&) noexcept = default;
+
+const SyntheticModel& SyntheticScene::litModel() const {
+    tbb::collaborative_call_once(litOnce_->flag, [&] { lightModel(*model_, *tracer_); });
+    return *model_;
+}
 
 std::optional<SyntheticScene> makeSyntheticScene(const std::string& name, std::uint32_t seed) {
     if (name == "room") return makeRoom(seed);
@@ -63,9 +73,12 @@ std::optional<Hit> castRay(const SyntheticScene& scene, const glm::dvec3& origin
     Hit result;
     result.position = point.position;
     result.normal = glm::dot(point.normal, direction) > 0 ? -point.normal : point.normal;
-    result.colour = encoded(colourAt(scene, originInWorld, direction, hit));
     result.distanceMetres = hit->t * glm::length(direction);
     return result;
+}
+
+Rgb8 colourAlong(const SyntheticScene& scene, const glm::dvec3& originInWorld, const glm::dvec3& direction) {
+    return encoded(colourAt(scene, originInWorld, direction, scene.tracer().cast(originInWorld, direction)));
 }
 
 DepthImage renderTruth(const SyntheticScene& scene, const View& view, int samplesPerPixel) {
@@ -108,7 +121,7 @@ Scan simulateScan(const SyntheticScene& scene, const Pose& worldFromScanner, int
                   const ScanOptions& options) {
     assert(columns > 0 && rows > 0 && options.topRadians > options.bottomRadians);
     Image<glm::vec3> points(columns, rows);
-    Image<Rgb8> colours(columns, rows);
+    Image<Rgb8> colours(columns, rows, Rgb8{128, 128, 128});
     Image<std::uint8_t> isHit(columns, rows, std::uint8_t{0});
     tbb::parallel_for(0, rows, [&](int row) {
         const double elevation = options.topRadians - (row + 0.5) * (options.topRadians - options.bottomRadians) / rows;
@@ -127,7 +140,7 @@ Scan simulateScan(const SyntheticScene& scene, const Pose& worldFromScanner, int
             }
             if (range <= 0) continue;
             points(column, row) = glm::vec3(ray * range);
-            colours(column, row) = encoded(colourAt(scene, origin, direction, hit));
+            if (options.withColour) colours(column, row) = encoded(colourAt(scene, origin, direction, hit));
             isHit(column, row) = 1;
         }
     });
@@ -136,7 +149,7 @@ Scan simulateScan(const SyntheticScene& scene, const Pose& worldFromScanner, int
     scan.name = scene.model().name;
     scan.worldFromScanner = worldFromScanner;
     scan.rows = rows, scan.columns = columns;
-    scan.hasColour = true;
+    scan.hasColour = options.withColour;
     for (int row = 0; row < rows; ++row)
         for (int column = 0; column < columns; ++column) {
             if (!isHit(column, row)) continue;

@@ -24,8 +24,8 @@ namespace scene {
 struct SyntheticModel;
 class SyntheticTracer;
 
-/// A model that has been lit and can be looked at. Build your own model (scene/synthetic_model.h) or take one
-/// below.
+/// A model that can be looked at. Build your own (scene/synthetic_model.h) or take one below. It is lit when a colour
+/// is first asked for; until then scans without colour, and whatever else asks for surfaces alone, do not wait for that.
 class SyntheticScene {
   public:
     explicit SyntheticScene(SyntheticModel model);
@@ -33,12 +33,17 @@ class SyntheticScene {
     SyntheticScene(SyntheticScene&&) noexcept;
     SyntheticScene& operator=(SyntheticScene&&) noexcept;
 
+    /// What light maps hold is only to be read through litModel.
     const SyntheticModel& model() const { return *model_; }
+    /// Any number of threads may ask at the same time.
+    const SyntheticModel& litModel() const;
     const SyntheticTracer& tracer() const { return *tracer_; }
 
   private:
     std::unique_ptr<SyntheticModel> model_;
     std::unique_ptr<SyntheticTracer> tracer_;
+    struct LitOnce;
+    std::unique_ptr<LitOnce> litOnce_;
 };
 
 /// A living room of 5.2 x 4.2 x 2.7 m with its window open to the sky: table and chairs, shelf with books,
@@ -60,13 +65,15 @@ std::optional<SyntheticScene> makeSyntheticScene(const std::string& name, std::u
 struct Hit {
     glm::dvec3 position{0.0}; ///< in the world
     glm::dvec3 normal{0.0};   ///< of the surface, unit, towards the ray's origin
-    Rgb8 colour;              ///< as renderTruth shows it at one sample for each pixel
     double distanceMetres = 0;
 };
 
 /// The first surface on a ray; nothing if it ends in the sky. direction need not be a unit vector but must
 /// not be zero.
 std::optional<Hit> castRay(const SyntheticScene& scene, const glm::dvec3& originInWorld, const glm::dvec3& direction);
+
+/// The colour of what a ray ends at, the sky too, as renderTruth shows it at one sample for each pixel.
+Rgb8 colourAlong(const SyntheticScene& scene, const glm::dvec3& originInWorld, const glm::dvec3& direction);
 
 /// What a perfect camera with depth sees. disparity and flags belong to the ray through the pixel's centre,
 /// with the intersection computed in double precision; colour is the mean over samplesPerPixel rays spread
@@ -99,6 +106,7 @@ struct ScanOptions {
     double bottomRadians = -1.0471975511965976; ///< and of the lower edge of the last: below stands the tripod
     double rangeNoiseMetres = 0;                ///< standard deviation along the ray
     std::uint32_t noiseSeed = 1;
+    bool withColour = true;
 };
 
 /// An ideal scan on a spherical grid about the scanner's z axis. The ray of a cell goes through its middle:

@@ -61,8 +61,35 @@ glm::dvec3 meanOf(const Material& material) {
     return sum / static_cast<double>(kPlaces);
 }
 
+/// Bilinear; zero where nothing was lit yet.
+glm::dvec3 lightFrom(const LightMap& map, const glm::dvec2& place) {
+    if (map.nodes.empty()) return glm::dvec3(0);
+    const double x = std::clamp(place.x, 0.0, 1.0) * (map.columns - 1), y = std::clamp(place.y, 0.0, 1.0) * (map.rows - 1);
+    const int i = std::min(static_cast<int>(x), std::max(map.columns - 2, 0));
+    const int j = std::min(static_cast<int>(y), std::max(map.rows - 2, 0));
+    const int right = std::min(i + 1, map.columns - 1), below = std::min(j + 1, map.rows - 1);
+    const auto node = [&](int column, int row) {
+        return map.nodes[static_cast<std::size_t>(row * map.columns + column)];
+    };
+    return glm::mix(glm::mix(node(i, j), node(right, j), x - i), glm::mix(node(i, below), node(right, below), x - i),
+                    y - j);
+}
+
+/// What the model's light maps have of a point.
+glm::dvec3 mappedLight(const SyntheticModel& model, const RayHit& hit, const SurfacePoint& point) {
+    if (hit.kind == SurfaceKind::patch) return lightFrom(model.patches[hit.index].light, point.lightPlace);
+    if (hit.kind == SurfaceKind::round) return lightFrom(model.rounds[hit.index].light, point.lightPlace);
+    const std::vector<glm::dvec3>& light = model.mesh.light;
+    if (light.empty()) return glm::dvec3(0);
+    const auto [i, j, k] = model.mesh.triangles[hit.index];
+    const double wb = point.lightPlace.x, wc = point.lightPlace.y;
+    return light[i] * (1.0 - wb - wc) + light[j] * wb + light[k] * wc;
+}
+
 /// Light that falls on a point: what is in its light map, and the sun.
-glm::dvec3 lightOn(const SyntheticModel& model, const SyntheticTracer& tracer, const SurfacePoint& point) {
+glm::dvec3 lightOn(const SyntheticModel& model, const SyntheticTracer& tracer, const RayHit& hit,
+                   const SurfacePoint& point) {
+    const glm::dvec3 mapped = mappedLight(model, hit, point);
     const glm::dvec3 sun = model.sky.towardsSun;
     double facing = glm::dot(point.shadingNormal, sun), side = 1.0;
     bool isLit = facing > 0 && glm::dot(point.normal, sun) > 0;
@@ -71,9 +98,9 @@ glm::dvec3 lightOn(const SyntheticModel& model, const SyntheticTracer& tracer, c
         facing = 0.2 + 0.6 * std::abs(facing); // a leaf scatters what falls on either side through itself
         isLit = true;
     }
-    if (!isLit || model.sky.sun == glm::dvec3(0)) return point.light;
-    if (tracer.isBlocked(point.position + point.normal * (side * kLift), sun, 1e6)) return point.light;
-    return point.light + model.sky.sun * facing;
+    if (!isLit || model.sky.sun == glm::dvec3(0)) return mapped;
+    if (tracer.isBlocked(point.position + point.normal * (side * kLift), sun, 1e6)) return mapped;
+    return mapped + model.sky.sun * facing;
 }
 
 class Lighting {
@@ -266,12 +293,12 @@ class Lighting {
                 if (!hasOpenings_) sum += skyRadiance(model_.sky, direction);
                 continue;
             }
-            SurfacePoint point = tracer_.surfaceAt(start, direction, *hit);
+            const SurfacePoint point = tracer_.surfaceAt(start, direction, *hit);
             if (!point.twoSided && glm::dot(point.normal, direction) > 0) {
                 ++backs; // inside of something solid: no light
                 continue;
             }
-            sum += meanReflectance_[static_cast<std::size_t>(point.material)] * lightOn(model_, tracer_, point);
+            sum += meanReflectance_[static_cast<std::size_t>(point.material)] * lightOn(model_, tracer_, *hit, point);
         }
         isBuried = backs > rays / 4;
         return sum / static_cast<double>(rays);
@@ -292,9 +319,10 @@ void lightModel(SyntheticModel& model, const SyntheticTracer& tracer) {
     Lighting(model, tracer).run();
 }
 
-glm::dvec3 radianceOf(const SyntheticModel& model, const SyntheticTracer& tracer, const SurfacePoint& point) {
+glm::dvec3 radianceOf(const SyntheticModel& model, const SyntheticTracer& tracer, const RayHit& hit,
+                      const SurfacePoint& point) {
     const Material& material = model.materials[static_cast<std::size_t>(point.material)];
-    return lightOn(model, tracer, point) * reflectanceAt(material, point.texturePlace) + material.emission;
+    return lightOn(model, tracer, hit, point) * reflectanceAt(material, point.texturePlace) + material.emission;
 }
 
 glm::dvec3 skyRadiance(const Sky& sky, const glm::dvec3& direction) {

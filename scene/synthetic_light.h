@@ -11,8 +11,9 @@ namespace scene {
 /// Fills all light maps of the model: lamps, sky, and light from lit surfaces after two reflections.
 void lightModel(SyntheticModel& model, const SyntheticTracer& tracer);
 
-/// Radiance that a surface point shows.
-glm::dvec3 radianceOf(const SyntheticModel& model, const SyntheticTracer& tracer, const SurfacePoint& point);
+/// Radiance that a surface point of a lit model shows. hit: the ray's that found the point.
+glm::dvec3 radianceOf(const SyntheticModel& model, const SyntheticTracer& tracer, const RayHit& hit,
+                      const SurfacePoint& point);
 
 /// Radiance of the sky in a direction (any length): horizon to zenith, with clouds.
 glm::dvec3 skyRadiance(const Sky& sky, const glm::dvec3& direction);

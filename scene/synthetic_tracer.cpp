@@ -305,7 +305,7 @@ SurfacePoint SyntheticTracer::surfaceAt(const glm::dvec3& origin, const glm::dve
         const glm::dvec2 part = (at - patch.extent.low) / (patch.extent.high - patch.extent.low);
         point.normal = point.shadingNormal = patch.normal;
         point.texturePlace = glm::dvec3(at, 0);
-        point.light = lightFrom(patch.light, part.x, part.y);
+        point.lightPlace = part;
         point.material = patch.material;
         point.twoSided = patch.twoSided;
     } else if (hit.kind == SurfaceKind::mesh) {
@@ -322,7 +322,7 @@ SurfacePoint SyntheticTracer::surfaceAt(const glm::dvec3& origin, const glm::dve
         point.normal = glm::normalize(across);
         point.shadingNormal = glm::normalize(blend(mesh.normals));
         point.texturePlace = blend(mesh.texturePlaces);
-        point.light = mesh.light.empty() ? glm::dvec3(0) : blend(mesh.light);
+        point.lightPlace = {wb, wc};
         point.material = mesh.materials[hit.index];
     } else {
         const Round& round = model_.rounds[hit.index];
@@ -333,34 +333,20 @@ SurfacePoint SyntheticTracer::surfaceAt(const glm::dvec3& origin, const glm::dve
         if (round.kind == RoundKind::disc) {
             point.normal = round.axis;
             point.texturePlace = {x, y, 0};
-            point.light = lightFrom(round.light, 0.5 + 0.5 * x / round.radius, 0.5 + 0.5 * y / round.radius);
+            point.lightPlace = {0.5 + 0.5 * x / round.radius, 0.5 + 0.5 * y / round.radius};
         } else if (round.kind == RoundKind::tube) {
             point.normal = (p - round.axis * z) / round.radius;
             point.texturePlace = {turn * kTwoPi * round.radius, z, 0};
-            point.light = lightFrom(round.light, turn, z / round.length);
+            point.lightPlace = {turn, z / round.length};
         } else {
             point.normal = p / round.radius;
             point.texturePlace = p;
-            point.light =
-                lightFrom(round.light, turn, std::acos(std::clamp(-z / round.radius, -1.0, 1.0)) / kTwoPi * 2.0);
+            point.lightPlace = {turn, std::acos(std::clamp(-z / round.radius, -1.0, 1.0)) / kTwoPi * 2.0};
         }
         point.normal = glm::normalize(point.normal);
         point.shadingNormal = point.normal;
     }
     return point;
-}
-
-glm::dvec3 lightFrom(const LightMap& map, double s, double t) {
-    if (map.nodes.empty()) return glm::dvec3(0);
-    const double x = std::clamp(s, 0.0, 1.0) * (map.columns - 1), y = std::clamp(t, 0.0, 1.0) * (map.rows - 1);
-    const int i = std::min(static_cast<int>(x), std::max(map.columns - 2, 0));
-    const int j = std::min(static_cast<int>(y), std::max(map.rows - 2, 0));
-    const int right = std::min(i + 1, map.columns - 1), below = std::min(j + 1, map.rows - 1);
-    const auto node = [&](int column, int row) {
-        return map.nodes[static_cast<std::size_t>(row * map.columns + column)];
-    };
-    return glm::mix(glm::mix(node(i, j), node(right, j), x - i), glm::mix(node(i, below), node(right, below), x - i),
-                    y - j);
 }
 
 RoundPlace placeOn(const Round& round, double s, double t) {

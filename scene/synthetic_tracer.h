@@ -30,14 +30,14 @@ struct SurfacePoint {
     glm::dvec3 normal{0.0};        ///< of the geometry, outwards
     glm::dvec3 shadingNormal{0.0}; ///< smoothed on meshes
     glm::dvec3 texturePlace{0.0};
-    glm::dvec3 light{0.0}; ///< from its light map; zero if not lit yet
+    glm::dvec2 lightPlace{0.0}; ///< both parameters of its light map; on meshes how near the second and third vertex
     int material = 0;
     bool twoSided = false;
 };
 
 class SyntheticTracer {
   public:
-    /// The model must outlive the tracer and keep its geometry; its light maps may change.
+    /// The model must outlive the tracer and keep its geometry; light maps are none of the tracer's.
     explicit SyntheticTracer(const SyntheticModel& model);
     ~SyntheticTracer();
     SyntheticTracer(const SyntheticTracer&) = delete;
@@ -68,9 +68,6 @@ class SyntheticTracer {
     RTCDeviceTy* device_ = nullptr;
     RTCSceneTy* scene_ = nullptr;
 };
-
-/// Bilinear; wraps in the first parameter where the surface closes on itself.
-glm::dvec3 lightFrom(const LightMap& map, double s, double t);
 
 /// The place on a round at parameters in [0, 1]: sphere and tube by angle and height, disc by its square.
 struct RoundPlace {

@@ -27,8 +27,12 @@ struct Cut {
     std::uint32_t placeBits = kPlaceBits;
 };
 
-/// Collects one tile: kept samples first, then the border its triangles need. part.hasSample(x, y), part.hasSquare(x,
-/// y): whether what stands there, in the image's coordinates, belongs to the tile.
+struct Place {
+    int x = 0, y = 0;
+};
+
+/// Collects one tile: kept samples first, then the border its triangles need. part.eachSample(visit),
+/// part.eachSquare(visit): call visit(x, y) for what may belong to the tile, row by row, counted from the cut's first.
 template <class Part>
 class TileCutter {
   public:
@@ -45,15 +49,12 @@ class TileCutter {
         tile.firstVertex = static_cast<std::uint32_t>(set.vertices.size());
         tile.firstQuad = static_cast<std::uint32_t>(set.quads.size());
 
-        for (int y = 0; y < height_; ++y)
-            for (int x = 0; x < width_; ++x)
-                if (isKept(flagsAt(x, y)) && tierOf(flagsAt(x, y)) == tier_ && part_.hasSample(x0_ + x, y0_ + y))
-                    take(x, y);
+        part_.eachSample([&](int x, int y) {
+            if (isKept(flagsAt(x, y)) && tierOf(flagsAt(x, y)) == tier_) take(x, y);
+        });
         tile.pointCount = static_cast<std::uint32_t>(taken_.size());
 
-        for (int y = 0; y < height_; ++y)
-            for (int x = 0; x < width_; ++x)
-                if (part_.hasSquare(x0_ + x, y0_ + y)) appendQuad(x, y, set);
+        part_.eachSquare([&](int x, int y) { appendQuad(x, y, set); });
         tile.vertexCount = static_cast<std::uint32_t>(taken_.size());
         tile.quadCount = static_cast<std::uint32_t>(set.quads.size()) - tile.firstQuad;
         if (taken_.empty()) return;
@@ -63,10 +64,6 @@ class TileCutter {
     }
 
   private:
-    struct Place {
-        int x, y;
-    };
-
     std::uint8_t flagsAt(int x, int y) const { return image_.flags(x0_ + x, y0_ + y); }
     bool isInside(int x, int y) const { return x0_ + x < image_.camera.width && y0_ + y < image_.camera.height; }
 
@@ -138,8 +135,17 @@ class TileCutter {
 
 /// All that stands in a tile's place.
 struct Whole {
-    bool hasSample(int, int) const { return true; }
-    bool hasSquare(int, int) const { return true; }
+    int width, height;
+    template <class Visit>
+    void eachSample(const Visit& visit) const {
+        for (int y = 0; y < height; ++y)
+            for (int x = 0; x < width; ++x)
+                visit(x, y);
+    }
+    template <class Visit>
+    void eachSquare(const Visit& visit) const {
+        eachSample(visit);
+    }
 };
 
 /// Places this small hold too few samples for scraps to save anything.
@@ -172,9 +178,10 @@ class TierCutter {
     void appendTo(TileSet& set) {
         for (int row = 0; row < rows_; ++row)
             for (int column = 0; column < columns_; ++column)
-                if (!isScrap_[static_cast<std::size_t>(row) * columns_ + column])
-                    TileCutter(image_, cutAt(column * tileSize_, row * tileSize_, tileSize_, kPlaceBits), Whole{})
-                        .appendTo(set);
+                if (!isScrap_[static_cast<std::size_t>(row) * columns_ + column]) {
+                    const Cut cut = cutAt(column * tileSize_, row * tileSize_, tileSize_, kPlaceBits);
+                    TileCutter(image_, cut, Whole{cut.width, cut.height}).appendTo(set);
+                }
         if (tileSize_ < kLeastScrapPlace) return;
         const int side = kMaxScrapSize / tileSize_ * tileSize_;
         for (int y0 = 0; y0 < image_.camera.height; y0 += side)
@@ -209,33 +216,43 @@ class TierCutter {
         return isScrap_[static_cast<std::size_t>(row) * columns_ + column] != 0;
     }
 
-    /// A square is as far as its top right sample, which any triangle of it has.
+    /// What may belong to one scrap. A square is as far as its top right sample, which any triangle of it has.
     struct Scrap {
-        const TierCutter& cutter;
-        int distance;
-        bool hasSample(int x, int y) const { return cutter.isScrapAt(x, y) && cutter.distances_(x, y) == distance; }
-        bool hasSquare(int x, int y) const {
-            const DepthImage& image = cutter.image_;
-            return cutter.isScrapAt(x, y) && x + 1 < image.camera.width && isDrawable(image.flags(x + 1, y)) &&
-                   cutter.distances_(x + 1, y) == distance;
+        int distance = 0;
+        std::vector<Place> samples{}, squares{};
+        template <class Visit>
+        void eachSample(const Visit& visit) const {
+            for (const Place& place : samples)
+                visit(place.x, place.y);
+        }
+        template <class Visit>
+        void eachSquare(const Visit& visit) const {
+            for (const Place& place : squares)
+                visit(place.x, place.y);
         }
     };
 
-    /// Adds a distance that is new; there are few.
-    static void note(std::vector<int>& distances, int distance) {
-        if (std::find(distances.begin(), distances.end(), distance) == distances.end()) distances.push_back(distance);
+    /// That of a distance; there are few.
+    static Scrap& scrapOf(std::vector<Scrap>& scraps, int distance) {
+        const auto it = std::ranges::find(scraps, distance, &Scrap::distance);
+        return it != scraps.end() ? *it : scraps.emplace_back(Scrap{distance});
     }
 
     void appendScraps(const Cut& cut, TileSet& set) const {
-        std::vector<int> distances;
-        for (int y = cut.y0; y < cut.y0 + cut.height; ++y)
-            for (int x = cut.x0; x < std::min(cut.x0 + cut.width + 1, image_.camera.width); ++x)
-                if (isDrawable(image_.flags(x, y))) note(distances, distances_(x, y));
-        std::sort(distances.begin(), distances.end());
-        for (const int distance : distances) {
-            const Scrap scrap{*this, distance};
+        std::vector<Scrap> scraps;
+        for (int y = 0; y < cut.height; ++y)
+            for (int x = 0; x < cut.width; ++x) {
+                const int column = cut.x0 + x, row = cut.y0 + y;
+                if (!isScrapAt(column, row)) continue;
+                const std::uint8_t flags = image_.flags(column, row);
+                if (isKept(flags) && tierOf(flags) == tier_)
+                    scrapOf(scraps, distances_(column, row)).samples.push_back({x, y});
+                if (column + 1 < image_.camera.width && isDrawable(image_.flags(column + 1, row)))
+                    scrapOf(scraps, distances_(column + 1, row)).squares.push_back({x, y});
+            }
+        std::ranges::sort(scraps, {}, &Scrap::distance);
+        for (const Scrap& scrap : scraps)
             TileCutter(image_, cut, scrap).appendTo(set);
-        }
     }
 
     const DepthImage& image_;

@@ -12,6 +12,7 @@ namespace scene {
 struct View {
     Camera camera;
     Pose worldFromEye;
+    friend bool operator==(const View&, const View&) = default;
 };
 
 /// C = P V M of the whole source image (Nyland et al. 1999, eq. 2), composed in double precision: a sample

@@ -256,7 +256,10 @@ EdgeLevel blurredEdges(const EdgeImage& edges, double sigmaPixels) {
             squares += fine(y, x).dot(fine(y, x));
     const double deviation = std::sqrt(squares / std::max<double>(1, static_cast<double>(fine.total())));
     if (deviation > 0) fine *= 1 / deviation;
-    level.edges = imageOf(fine);
+    level.edges = Image<glm::vec4>(fine.cols, fine.rows);
+    for (int y = 0; y < fine.rows; ++y)
+        for (int x = 0; x < fine.cols; ++x)
+            level.edges(x, y) = {fine(y, x)[0], fine(y, x)[1], fine(y, x)[2], 0.0f};
     return level;
 }
 

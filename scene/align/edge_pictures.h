@@ -12,6 +12,7 @@
 #include <vector>
 
 #include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
 
 namespace scene {
 
@@ -37,7 +38,7 @@ EdgeImage withoutOpenRims(const EdgeImage& edges, const DepthImage& scan);
 /// The picture blurred by a Gaussian less what a much broader one leaves, in units of its own standard deviation; one
 /// pixel for every so many.
 struct EdgeLevel {
-    EdgeImage edges;
+    Image<glm::vec4> edges; ///< the fourth is 0: a pixel is read by one load, which searches for turns spend most on
     int pixelsPerPixel = 1;
     double sigmaPixels = 0; ///< of the full picture
 };

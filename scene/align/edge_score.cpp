@@ -1,8 +1,22 @@
 #include "scene/align/edge_score.h"
 
 #include <cmath>
+#include <cstring>
 
 namespace scene {
+
+namespace {
+
+/// Four numbers that are reckoned with at once; glm's own operators are not compiled so.
+using Four [[gnu::vector_size(16)]] = float;
+
+Four fourOf(const glm::vec4& pixel) {
+    Four four;
+    std::memcpy(&four, &pixel, sizeof four);
+    return four;
+}
+
+} // namespace
 
 double PartSums::scoreWithout(int part) const {
     double gain = 0, weight = 0;
@@ -31,16 +45,16 @@ EdgeScore::Sum EdgeScore::sumAt(const glm::dmat3& givenFromTurned, std::span<con
                     sine = ray.sine * rollCosine + ray.cosine * rollSine;
         float gain = 0;
         for (std::size_t l = first; l < end; ++l) {
-            const EdgeImage& edges = levels_[l].edges;
+            const Image<glm::vec4>& edges = levels_[l].edges;
             const float per = 1.0f / static_cast<float>(levels_[l].pixelsPerPixel);
             const float x = u * per - 0.5f, y = v * per - 0.5f;
             if (!(x >= 0 && y >= 0)) continue;
             const int i = static_cast<int>(x), j = static_cast<int>(y);
             if (i + 1 >= edges.width() || j + 1 >= edges.height()) continue;
             const float a = x - static_cast<float>(i), b = y - static_cast<float>(j);
-            const glm::vec3 here = (1 - b) * ((1 - a) * edges(i, j) + a * edges(i + 1, j)) +
-                                   b * ((1 - a) * edges(i, j + 1) + a * edges(i + 1, j + 1));
-            gain += here.x + cosine * here.y + sine * here.z;
+            const Four here = (1 - b) * ((1 - a) * fourOf(edges(i, j)) + a * fourOf(edges(i + 1, j))) +
+                              b * ((1 - a) * fourOf(edges(i, j + 1)) + a * fourOf(edges(i + 1, j + 1)));
+            gain += here[0] + cosine * here[1] + sine * here[2];
         }
         sum.gain += double{ray.strength} * gain;
     }

@@ -39,7 +39,8 @@ void compare(const Panorama& from, const Panorama& to, const Pose& worldFromFrom
              double widest, double scale, double sign, int stride, Said& said) {
     const Pose toFromFrom = inverse(worldFromTo) * worldFromFrom;
     stride *= from.finerThanCoarse();
-    for (int y = 0; y < from.height(); y += stride)
+    for (int y = 0; y < from.height(); y += stride) {
+        const double rowWeight = from.weightOf(y);
         for (int x = 0; x < from.width(); x += stride) {
             const PanoramaCell& cell = from.cells(x, y);
             if (cell.samples == 0 || cell.normal == glm::vec3(0)) continue;
@@ -55,7 +56,7 @@ void compare(const Panorama& from, const Panorama& to, const Pose& worldFromFrom
             said.distances.push_back(static_cast<float>(std::abs(distance)));
             const double range = std::max(glm::length(glm::dvec3(cell.point)), glm::length(p));
             const double weight =
-                from.weightOf(y) / (1 + std::pow(range / kWorthMetres, 2)) / (1 + std::pow(distance / scale, 2));
+                rowWeight / (1 + std::pow(range / kWorthMetres, 2)) / (1 + std::pow(distance / scale, 2));
             const glm::dvec3 n = worldFromTo.rotation * both, q = worldFromTo * p, arm = glm::cross(q, n);
             Vector6 row;
             row << arm.x, arm.y, arm.z, n.x, n.y, n.z;
@@ -65,6 +66,7 @@ void compare(const Panorama& from, const Panorama& to, const Pose& worldFromFrom
             said.weighted += weight * distance * distance;
             said.weights += weight;
         }
+    }
 }
 
 Pose moved(const Pose& pose, const Vector6& motion) {

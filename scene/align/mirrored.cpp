@@ -20,6 +20,8 @@ ScanView mirrored(const ScanView& view) {
             plane.covariance[0][axis] = -plane.covariance[0][axis],
             plane.covariance[axis][0] = -plane.covariance[axis][0];
     }
+    lookAbout(result.panorama);
+    listPlanes(result);
     return result;
 }
 

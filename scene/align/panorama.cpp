@@ -178,16 +178,40 @@ double Panorama::weightOf(int row) const {
     return std::cos((row + 0.5) * stepRadians() - kPi / 2);
 }
 
+void lookAbout(Panorama& panorama) {
+    const int width = panorama.width(), height = panorama.height();
+    panorama.about = Image<PanoramaAbout>(width, height);
+    tbb::parallel_for(0, height, [&](int y) {
+        for (int x = 0; x < width; ++x) {
+            PanoramaAbout about{1e30f, 0, panorama.cells(x, y).samples > 0, true};
+            for (int dy = -1; dy <= 1; ++dy)
+                for (int dx = -1; dx <= 1; ++dx) {
+                    const PanoramaCell& cell =
+                        panorama.cells((x + dx + width) % width, std::clamp(y + dy, 0, height - 1));
+                    if (cell.samples == 0) {
+                        about.isWhole = false;
+                        continue;
+                    }
+                    about.nearest = std::min(about.nearest, cell.nearest);
+                    about.farthest = std::max(about.farthest, cell.farthest);
+                }
+            panorama.about(x, y) = about;
+        }
+    });
+}
+
 Panorama panoramaOf(const Scan& scan) {
     Panorama panorama = binned(scan, kCoarseRows);
     if (medianSamples(panorama) >= kDenseSamples) panorama = binned(scan, kFineRows);
     findNormals(panorama);
+    lookAbout(panorama);
     return panorama;
 }
 
 Panorama panoramaOf(const Scan& scan, int rows) {
     Panorama panorama = binned(scan, rows);
     findNormals(panorama);
+    lookAbout(panorama);
     return panorama;
 }
 

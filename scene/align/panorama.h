@@ -23,12 +23,20 @@ struct PanoramaCell {
     std::int32_t plane = -1;         ///< index of the plane it lies on
 };
 
+/// What was seen in a cell and the eight about it: small, since registration looks it up for every pose that it tries.
+struct PanoramaAbout {
+    float nearest = 0, farthest = 0; ///< metres, of all of them that saw something
+    bool isSeen = false;             ///< something came back in the middle one
+    bool isWhole = false;            ///< and in each of them
+};
+
 /// Rows of a panorama: half a degree each, or a quarter where the scan is dense enough.
 inline constexpr int kCoarseRows = 360, kFineRows = 720;
 
 /// Column by azimuth from -pi, row by elevation from the nadir; twice as many columns as rows.
 struct Panorama {
     Image<PanoramaCell> cells;
+    Image<PanoramaAbout> about; ///< as lookAbout leaves it
 
     int width() const { return cells.width(); }
     int height() const { return cells.height(); }
@@ -45,6 +53,9 @@ struct Panorama {
         return place ? &cells((*place)[0], (*place)[1]) : nullptr;
     }
 };
+
+/// Says anew what is about each cell, once the cells are what they are.
+void lookAbout(Panorama& panorama);
 
 /// A scan's panorama, with normals from a window of five by five cells. As fine as its samples allow, or of so many
 /// rows: wide cells leave less of the noise, and planes reach farther out to where they are seen glancingly.

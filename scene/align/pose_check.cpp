@@ -1,6 +1,6 @@
 #include "scene/align/pose_check.h"
 
-#include <algorithm>
+#include <cassert>
 #include <cmath>
 
 #include <glm/geometric.hpp>
@@ -20,31 +20,10 @@ bool isMixed(const PanoramaCell& cell) {
     return cell.farthest - cell.nearest > 0.05f + static_cast<float>(kMixedShare) * cell.farthest;
 }
 
-/// What was seen about a place of the panorama: 3 x 3 cells.
-struct Surroundings {
-    double nearest = 1e30, farthest = 0;
-    bool isWhole = true; ///< each of the cells saw something
-};
-
-Surroundings lookAbout(const Panorama& panorama, const std::array<int, 2>& place) {
-    Surroundings about;
-    for (int dy = -1; dy <= 1; ++dy)
-        for (int dx = -1; dx <= 1; ++dx) {
-            const int y = std::clamp(place[1] + dy, 0, panorama.height() - 1);
-            const PanoramaCell& cell = panorama.cells((place[0] + dx + panorama.width()) % panorama.width(), y);
-            if (cell.samples == 0) {
-                about.isWhole = false;
-                continue;
-            }
-            about.nearest = std::min(about.nearest, static_cast<double>(cell.nearest));
-            about.farthest = std::max(about.farthest, static_cast<double>(cell.farthest));
-        }
-    return about;
-}
-
 /// What `from` saw, in the panorama of `to`.
 void compare(const Panorama& from, const Panorama& to, const Pose& toFromFrom, const PoseCheckOptions& options,
              Tally& tally) {
+    assert(to.about.size() == to.cells.size());
     const int stride = options.stride * from.finerThanCoarse();
     for (int y = 0; y < from.height(); y += stride) {
         const double weight = from.weightOf(y);
@@ -55,13 +34,14 @@ void compare(const Panorama& from, const Panorama& to, const Pose& toFromFrom, c
             const glm::dvec3 p = toFromFrom * glm::dvec3(cell.point);
             const auto place = to.placeOf(p);
             if (!place) continue;
-            const PanoramaCell& seen = to.cells((*place)[0], (*place)[1]);
-            if (seen.samples == 0) continue;
+            const PanoramaAbout& about = to.about((*place)[0], (*place)[1]);
+            if (!about.isSeen) continue;
             const double range = glm::length(p), tolerance = options.toleranceMetres + options.toleranceShare * range;
-            const Surroundings about = lookAbout(to, *place);
-            if (range < about.nearest - tolerance) {
+            if (range < double{about.nearest} - tolerance) {
                 if (about.isWhole) tally.against += weight;
-            } else if (range <= about.farthest + tolerance && seen.normal != glm::vec3(0)) {
+            } else if (range <= double{about.farthest} + tolerance) {
+                const PanoramaCell& seen = to.cells((*place)[0], (*place)[1]);
+                if (seen.normal == glm::vec3(0)) continue;
                 const glm::dvec3 normal = toFromFrom.rotation * glm::dvec3(cell.normal);
                 const double off = glm::dot(glm::dvec3(seen.normal), p - glm::dvec3(seen.point));
                 if (glm::dot(glm::dvec3(seen.normal), normal) < kSameNormal || std::abs(off) > tolerance) continue;

@@ -33,21 +33,17 @@ bool isAbout(const Pose& rough, const Pose& pose) {
 
 void countMeetings(const ScanView& from, const ScanView& to, const Pose& toFromFrom, double metres, bool isSwapped,
                    std::map<std::pair<std::size_t, std::size_t>, int>& votes) {
-    const Panorama& panorama = from.panorama;
-    const int stride = kVoteStride * panorama.finerThanCoarse();
-    for (int y = 0; y < panorama.height(); y += stride)
-        for (int x = 0; x < panorama.width(); x += stride) {
-            const PanoramaCell& cell = panorama.cells(x, y);
-            if (cell.plane < 0) continue;
-            const glm::dvec3 p = toFromFrom * glm::dvec3(cell.point);
-            const PanoramaCell* seen = to.panorama.find(p);
-            if (!seen || seen->plane < 0) continue;
-            const auto i = static_cast<std::size_t>(cell.plane), j = static_cast<std::size_t>(seen->plane);
-            const ScanPlane& plane = to.planes[j];
-            if (std::abs(glm::dot(plane.normal, p) - plane.offset) > metres) continue;
-            if (glm::dot(plane.normal, toFromFrom.rotation * from.planes[i].normal) < kFacing) continue;
-            ++votes[isSwapped ? std::pair(j, i) : std::pair(i, j)];
-        }
+    for (const CellOnPlane& cell : from.cellsOnPlanes) {
+        const glm::dvec3 p = toFromFrom * glm::dvec3(cell.point);
+        const auto place = to.panorama.placeOf(p);
+        const std::int32_t seen = place ? to.planeAt((*place)[0], (*place)[1]) : -1;
+        if (seen < 0) continue;
+        const auto i = static_cast<std::size_t>(cell.plane), j = static_cast<std::size_t>(seen);
+        const ScanPlane& plane = to.planes[j];
+        if (std::abs(glm::dot(plane.normal, p) - plane.offset) > metres) continue;
+        if (glm::dot(plane.normal, toFromFrom.rotation * from.planes[i].normal) < kFacing) continue;
+        ++votes[isSwapped ? std::pair(j, i) : std::pair(i, j)];
+    }
 }
 
 } // namespace
@@ -57,12 +53,25 @@ bool areElsewhere(const Pose& a, const Pose& b) {
            cosineBetween(a.rotation, b.rotation) < kElsewhereCosine;
 }
 
+void listPlanes(ScanView& view) {
+    const Panorama& panorama = view.panorama;
+    view.planeAt = Image<std::int32_t>(panorama.width(), panorama.height());
+    std::ranges::transform(panorama.cells.pixels(), view.planeAt.pixels().begin(), &PanoramaCell::plane);
+    view.cellsOnPlanes.clear();
+    const int stride = kVoteStride * panorama.finerThanCoarse();
+    for (int y = 0; y < panorama.height(); y += stride)
+        for (int x = 0; x < panorama.width(); x += stride)
+            if (const PanoramaCell& cell = panorama.cells(x, y); cell.plane >= 0)
+                view.cellsOnPlanes.push_back({cell.point, cell.plane});
+}
+
 ScanView viewOf(const Scan& scan) {
     ScanView view;
     view.name = scan.name;
     view.givenWorldFromScanner = scan.worldFromScanner;
     view.panorama = panoramaOf(scan);
     view.planes = planesOf(scan, view.panorama);
+    listPlanes(view);
     std::vector<float> ranges;
     for (const PanoramaCell& cell : view.panorama.cells.pixels())
         if (cell.samples > 0) ranges.push_back(cell.nearest);

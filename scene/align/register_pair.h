@@ -6,12 +6,22 @@
 #include "scene/align/panorama.h"
 #include "scene/align/plane_candidates.h"
 #include "scene/align/pose_check.h"
+#include "scene/image.h"
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include <glm/vec3.hpp>
+
 namespace scene {
+
+/// A cell of the panorama that lies on a plane.
+struct CellOnPlane {
+    glm::vec3 point{0.0f}; ///< metres, the scanner's frame
+    std::int32_t plane = 0;
+};
 
 /// What registration keeps of a scan.
 struct ScanView {
@@ -20,9 +30,16 @@ struct ScanView {
     Panorama panorama;
     std::vector<ScanPlane> planes;
     double medianRangeMetres = 0;
+
+    // What the panorama says of planes once more and close together, since it is asked for every pose that is tried.
+    std::vector<CellOnPlane> cellsOnPlanes; ///< of every so many rows and columns
+    Image<std::int32_t> planeAt;            ///< as PanoramaCell::plane
 };
 
 ScanView viewOf(const Scan& scan);
+
+/// After the panorama or its planes have changed.
+void listPlanes(ScanView& view);
 
 enum class PairVerdict {
     registered,   ///< one pose fits, and nothing else does

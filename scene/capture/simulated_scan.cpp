@@ -134,9 +134,7 @@ ScannedWorld worldOf(const SyntheticScene& scene, bool withColour) {
     };
     if (withColour)
         world.colour = [&scene](const glm::dvec3& origin, const glm::dvec3& direction) {
-            const auto hit = castRay(scene, origin, direction);
-            if (hit) return hit->colour;
-            return encoded(exposed(skyRadiance(scene.model().sky, direction), scene.model().exposure));
+            return colourAlong(scene, origin, direction);
         };
     return world;
 }

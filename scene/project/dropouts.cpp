@@ -22,9 +22,17 @@ float supportOf(int offset, int radius) {
 }
 
 /// Euclidean, of 255 a channel.
-float differenceOf(const Rgb8& a, const Rgb8& b) {
+std::size_t squareOfDifference(const Rgb8& a, const Rgb8& b) {
     const int r = a.r - b.r, g = a.g - b.g, blue = a.b - b.b;
-    return std::sqrt(static_cast<float>(r * r + g * g + blue * blue));
+    return static_cast<std::size_t>(r * r + g * g + blue * blue);
+}
+
+/// How alike colours are, by the square of their difference: there are fewer squares than pairs of pixels.
+std::vector<float> likenesses(float colourStep) {
+    std::vector<float> table(3 * 255 * 255 + 1);
+    for (std::size_t i = 0; i < table.size(); ++i)
+        table[i] = std::exp(-std::sqrt(static_cast<float>(i)) / colourStep);
+    return table;
 }
 
 struct Neighbour {
@@ -202,6 +210,7 @@ std::int64_t fillDropouts(DepthImage& image, const DropoutOptions& options) {
 std::int64_t guessRange(DepthImage& image, const GuessOptions& options) {
     const int width = image.camera.width, height = image.camera.height, radius = options.radius;
     if (radius <= 0) return 0;
+    const std::vector<float> likenessOf = likenesses(options.colourStep);
     Image<float> guessed(width, height, 0.f);
     tbb::parallel_for(0, height, [&](int y) {
         std::vector<Neighbour> neighbours;
@@ -214,8 +223,7 @@ std::int64_t guessRange(DepthImage& image, const GuessOptions& options) {
                     const int i = x + dx, j = y + dy;
                     if (i < 0 || j < 0 || i >= width || j >= height) continue;
                     if (!isSurface(image.flags(i, j)) || image.disparity(i, j) <= 0) continue;
-                    const float likeness =
-                        std::exp(-differenceOf(image.colour(x, y), image.colour(i, j)) / options.colourStep);
+                    const float likeness = likenessOf[squareOfDifference(image.colour(x, y), image.colour(i, j))];
                     neighbours.push_back(
                         {dx, dy, image.disparity(i, j), likeness * supportOf(dx, radius) * supportOf(dy, radius)});
                 }

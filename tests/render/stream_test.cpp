@@ -272,6 +272,29 @@ TEST_F(StreamTest, WhatHadToLeaveForAGlanceAsideComesBack) {
     }
 }
 
+// Renderer::letFramesStand: a walker who stands still sees what arrives.
+TEST_F(StreamTest, FramesStandOnceAllHasArrived) {
+    const scene::View before = eyeIn(0, 0), eye = eyeIn(3, 1);
+    for (const bool isStaged : {false, true}) {
+        GpuScene part(testDevice(), blocks_, {.budgetBytes = allBytes() / 2, .isStaged = isStaged});
+        Renderer renderer(testDevice(), part, kEye.width, kEye.height, 1);
+        renderer.letFramesStand(true);
+        part.settle({&before, 1}, {});
+        std::uint64_t changes = part.changes();
+        int standing = 0;
+        const auto patience = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+        for (int frame = 0; standing < 50 && std::chrono::steady_clock::now() < patience; ++frame) {
+            part.follow({&eye, 1}, {});
+            const bool isStanding = renderer.draw({&eye, 1}, {}).isStanding;
+            EXPECT_EQ(isStanding, frame > 0 && part.changes() == changes) << "staged " << isStaged << ", " << frame;
+            standing = isStanding ? standing + 1 : 0;
+            changes = part.changes();
+        }
+        EXPECT_EQ(standing, 50) << "staged " << isStaged;
+        EXPECT_TRUE(isSame(renderer.readBack()[0], drawOnce(part, eye, {}))) << "staged " << isStaged;
+    }
+}
+
 /// Where surfaces stand in for what is not there, eyes are drawn one by one, in a frame that was asked for in one pass.
 TEST_F(StreamTest, InOnePassTheSameIsSeenOfWhatIsThere) {
     std::size_t inOnePass = 0, eyeByEye = 0;

@@ -26,6 +26,7 @@
 #include <atomic>
 #include <cmath>
 #include <cstdio>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -229,6 +230,11 @@ struct How {
     Warp warp = Warp::mesh;
     double reach = 1;
     int every = 2; ///< of the path's poses, 200 of 400
+    /// Of the coverage's tree; 0: all. Fewer are brought where a device has no room for the finest cells, here wider
+    /// than a sample of these scans, and it is the same truth still. Few places decide what is missed of one pixel in a
+    /// thousand, and one pose sees several pixels of such a place: of the coarsest many poses are asked.
+    int levels = 0;
+    double leastCellMetres = 0; ///< than which cells are then wider
 };
 
 constexpr int kPoses = 400;
@@ -237,48 +243,53 @@ struct Count {
     std::atomic<std::int64_t> unseen{0}, missed{0}, observed{0}, wronged{0}, between{0};
 };
 
-void countPlace(const Place& place, PathTruth& truth, const How& how, Count& count) {
-    std::vector<scene::TileBlock> blocks;
-    for (std::size_t i = 0; i < place.sets.size(); ++i)
-        blocks.push_back(lend(place.sets[i], place.images[i].camera, place.images[i].worldFromCamera));
-    const GpuScene gpuScene(testDevice(), blocks);
-    const GpuCoverage coverage(testDevice(), place.coverage);
-    Renderer renderer(testDevice(), gpuScene, kCamera.width, kCamera.height, 2, &coverage);
-    Quality quality;
-    quality.unseenPocketMetres = 0;
-    quality.warp = how.warp;
-    quality.holes.radius = 4; // as the presets have it
-    for (int pose = 0; pose < truth.poses(); pose += how.every) {
-        renderer.draw(truth.eyes(pose), quality);
-        const std::vector<EyeImage> pictures = renderer.readBack();
-        tbb::parallel_for(0, kAsked, [&](int k) {
-            const PathTruth::Pixel pixel = PathTruth::pixelOf(pose, k);
-            const bool isUnseen = pictures[pixel.eye].pixelClass(pixel.x, pixel.y) == 3;
-            switch (truth.at(pose, k, how.reach)) {
-            case RayTruth::meetsUnseen:
-                ++count.unseen;
-                count.missed += isUnseen ? 0 : 1;
-                break;
-            case RayTruth::observed:
-                ++count.observed;
-                count.wronged += isUnseen ? 1 : 0;
-                break;
-            case RayTruth::between:
-                ++count.between;
-            }
-        });
-    }
+/// A way of drawing the place, and what came of it.
+struct Row {
+    Row(const How& asked, std::size_t nodeCount, double finest)
+        : how(asked), nodes(nodeCount), finestMetres(finest) {}
+    How how;
+    std::size_t nodes = 0;
+    double finestMetres = 0;
+    std::unique_ptr<GpuCoverage> coverage{};
+    Count count{};
+};
+
+std::unique_ptr<Row> rowOf(const Place& place, const How& how) {
+    const scene::Coverage coverage =
+        how.levels == 0 ? place.coverage : scene::coarsened(place.coverage, how.levels);
+    auto row = std::make_unique<Row>(how, coverage.nodes.size(), scene::finestCellOf(coverage));
+    EXPECT_GE(row->finestMetres, how.leastCellMetres);
+    row->coverage = std::make_unique<GpuCoverage>(testDevice(), coverage);
+    return row;
 }
 
-void expectTruth(const Place& place, PathTruth& truth, const How& how) {
-    Count count;
-    countPlace(place, truth, how, count);
+void count(PathTruth& truth, int pose, const std::vector<EyeImage>& pictures, double reach, Count& count) {
+    tbb::parallel_for(0, kAsked, [&](int k) {
+        const PathTruth::Pixel pixel = PathTruth::pixelOf(pose, k);
+        const bool isUnseen = pictures[pixel.eye].pixelClass(pixel.x, pixel.y) == 3;
+        switch (truth.at(pose, k, reach)) {
+        case RayTruth::meetsUnseen:
+            ++count.unseen;
+            count.missed += isUnseen ? 0 : 1;
+            break;
+        case RayTruth::observed:
+            ++count.observed;
+            count.wronged += isUnseen ? 1 : 0;
+            break;
+        case RayTruth::between:
+            ++count.between;
+        }
+    });
+}
+
+void expectTruth(const Row& row) {
+    const Count& count = row.count;
     const double all = static_cast<double>(count.unseen + count.observed + count.between);
     const double missed = static_cast<double>(count.missed) / static_cast<double>(count.unseen);
     const double wronged = static_cast<double>(count.wronged) / static_cast<double>(count.observed);
     std::printf("%llu nodes, cells down to %.1f mm; %lld pixels meet the unseen, %.3f %% of them not shown so; "
                 "%lld are of what was observed, %.3f %% of them called unseen; %.1f %% lie between\n",
-                static_cast<unsigned long long>(place.figures.nodes), 1e3 * place.figures.finestMetres,
+                static_cast<unsigned long long>(row.nodes), 1e3 * row.finestMetres,
                 static_cast<long long>(count.unseen), 100 * missed, static_cast<long long>(count.observed),
                 100 * wronged, 100 * static_cast<double>(count.between) / all);
     EXPECT_GT(count.unseen, 1000);
@@ -287,36 +298,49 @@ void expectTruth(const Place& place, PathTruth& truth, const How& how) {
     EXPECT_LE(wronged, 0.01);
 }
 
-/// As where a device has no room for the finest cells: wider than a sample of these scans, and the same truth still.
-/// Few places decide what is missed of one pixel in a thousand, and one pose sees several pixels of such a place: of
-/// the coarsest many poses are asked.
-void expectTruthByCells(Place& place, PathTruth& truth, int levels, double leastMetres, int every) {
-    ASSERT_LT(levels, scene::levelsOf(place.coverage));
-    place.coverage = scene::coarsened(place.coverage, levels);
-    place.figures.nodes = place.coverage.nodes.size();
-    place.figures.finestMetres = scene::finestCellOf(place.coverage);
-    EXPECT_GT(place.figures.finestMetres, leastMetres);
-    expectTruth(place, truth, {.every = every});
+/// At each pose what is alike in two ways that follow each other is warped once.
+void expectTruth(const Place& place, const std::vector<How>& ways) {
+    std::vector<scene::TileBlock> blocks;
+    for (std::size_t i = 0; i < place.sets.size(); ++i)
+        blocks.push_back(lend(place.sets[i], place.images[i].camera, place.images[i].worldFromCamera));
+    const GpuScene gpuScene(testDevice(), blocks);
+    std::vector<std::unique_ptr<Row>> rows;
+    for (const How& how : ways)
+        rows.push_back(rowOf(place, how));
+    Renderer renderer(testDevice(), gpuScene, kCamera.width, kCamera.height, 2);
+    renderer.letFramesStand(true);
+    PathTruth truth(place, kPoses);
+    Quality quality;
+    quality.unseenPocketMetres = 0;
+    quality.holes.radius = 4; // as the presets have it
+    for (int pose = 0; pose < truth.poses(); ++pose)
+        for (const std::unique_ptr<Row>& row : rows) {
+            if (pose % row->how.every != 0) continue;
+            quality.warp = row->how.warp;
+            renderer.useCoverage(row->coverage.get());
+            renderer.draw(truth.eyes(pose), quality);
+            count(truth, pose, renderer.readBack(), row->how.reach, row->count);
+        }
+    for (const std::unique_ptr<Row>& row : rows)
+        expectTruth(*row);
 }
 
 class UnseenTruth : public RenderTest {};
 
 TEST_F(UnseenTruth, InARoom) {
-    Place place = scanPlace(scene::makeRoom(), 2);
-    PathTruth truth(place, kPoses);
-    expectTruth(place, truth, {Warp::points, 2.5, 5});
-    expectTruth(place, truth, {});
-    expectTruthByCells(place, truth, kVoxelLevels, 0.02, 1);
+    const Place place = scanPlace(scene::makeRoom(), 2);
+    expectTruth(place, {{Warp::points, 2.5, 5}, {}, {.every = 1, .levels = kVoxelLevels, .leastCellMetres = 0.02}});
 }
 
 TEST_F(UnseenTruth, AtAStreetCorner) {
-    Place place = scanPlace(scene::makeStreetCorner(), 3);
-    PathTruth truth(place, kPoses);
-    expectTruth(place, truth, {Warp::points, 2.5, 5});
-    expectTruth(place, truth, {});
-    expectTruthByCells(place, truth, scene::levelsOf(place.coverage) - 2, 0.018, 5);
-    // The fewest levels that a device is brought.
-    expectTruthByCells(place, truth, kVoxelLevels, 0.3, 1);
+    const Place place = scanPlace(scene::makeStreetCorner(), 3);
+    const int finer = scene::levelsOf(place.coverage) - 2;
+    ASSERT_GT(finer, kVoxelLevels);
+    expectTruth(place, {{Warp::points, 2.5, 5},
+                        {},
+                        {.every = 5, .levels = finer, .leastCellMetres = 0.018},
+                        // The fewest levels that a device is brought.
+                        {.every = 1, .levels = kVoxelLevels, .leastCellMetres = 0.3}});
 }
 
 } // namespace

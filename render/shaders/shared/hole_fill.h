@@ -44,6 +44,9 @@ struct HoleFill {
     float sameSurface;  ///< relative difference in disparity up to which two ends are of one surface
     int sameColour;     ///< greatest difference of a channel, of 255, between two ends
     float pinholeDepth; ///< a pixel farther than its neighbours by this share of its disparity is a pinhole; 0: never
+#ifdef __cplusplus
+    friend bool operator==(const HoleFill&, const HoleFill&) = default;
+#endif
 };
 
 struct ResolveConstants {
