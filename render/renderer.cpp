@@ -89,7 +89,7 @@ FrameStats Renderer::draw(std::span<const scene::View> views, const Quality& qua
     chooseResolution(quality, overlay != nullptr && !overlay->labels.empty());
     Warped warped{{views.begin(), views.end()}, quality, picture_, scene_.changes()};
     isStanding_ = letsFramesStand_ && warped == lastWarped_;
-    lastWarped_ = std::move(warped);
+    lastWarped_ = {}; // until the device has been told to
     tbb::parallel_for(std::size_t{0}, eyes_.size(), [&](std::size_t i) {
         eyes_[i].times.clear();
         if (!isStanding_) choose(eyes_[i], views[i], quality, static_cast<int>(i));
@@ -112,6 +112,7 @@ FrameStats Renderer::draw(std::span<const scene::View> views, const Quality& qua
     keepsNext_ = false;
     timed(stats.cpu, "submit", kWholeFrame,
           [&] { streams_.submit(slot, isOnePass_ ? EyeQueues::first : EyeQueues::own); });
+    lastWarped_ = std::move(warped);
 
     stats.isOnePass = isOnePass_;
     stats.isStanding = isStanding_;

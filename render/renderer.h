@@ -44,9 +44,9 @@ struct FrameStats {
     std::vector<StepTime> gpu; ///< clear, warp, polygons, blend, resolve, unseen, rescale, overlay; of the frame
                                ///< gpuFrame, empty while none has finished
     std::uint64_t gpuFrame = 0;
-    bool isOnePass = false; ///< the eyes were warped together; their warp is a step of both
+    bool isOnePass = false;  ///< the eyes were warped together; their warp is a step of both
     bool isStanding = false; ///< the scene was not warped anew (Renderer::letFramesStand)
-    PictureSize picture;    ///< of what the eyes were given: the renderer's, or less (Renderer::letDisplayEnlarge)
+    PictureSize picture;     ///< of what the eyes were given: the renderer's, or less (Renderer::letDisplayEnlarge)
     std::array<EyeCounts, kMaxEyes> eyes{};
 };
 

@@ -25,7 +25,8 @@ struct SyntheticModel;
 class SyntheticTracer;
 
 /// A model that can be looked at. Build your own (scene/synthetic_model.h) or take one below. It is lit when a colour
-/// is first asked for; until then scans without colour, and whatever else asks for surfaces alone, do not wait for that.
+/// is first asked for; until then scans without colour, and whatever else asks for surfaces alone, do not wait for
+/// that.
 class SyntheticScene {
   public:
     explicit SyntheticScene(SyntheticModel model);

@@ -64,7 +64,8 @@ glm::dvec3 meanOf(const Material& material) {
 /// Bilinear; zero where nothing was lit yet.
 glm::dvec3 lightFrom(const LightMap& map, const glm::dvec2& place) {
     if (map.nodes.empty()) return glm::dvec3(0);
-    const double x = std::clamp(place.x, 0.0, 1.0) * (map.columns - 1), y = std::clamp(place.y, 0.0, 1.0) * (map.rows - 1);
+    const double x = std::clamp(place.x, 0.0, 1.0) * (map.columns - 1),
+                 y = std::clamp(place.y, 0.0, 1.0) * (map.rows - 1);
     const int i = std::min(static_cast<int>(x), std::max(map.columns - 2, 0));
     const int j = std::min(static_cast<int>(y), std::max(map.rows - 2, 0));
     const int right = std::min(i + 1, map.columns - 1), below = std::min(j + 1, map.rows - 1);

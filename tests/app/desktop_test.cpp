@@ -134,6 +134,7 @@ TEST_F(Desktop, TheScreenshotIsWhatRenderDrawsFromThere) {
     ASSERT_FALSE(shot.empty());
     ASSERT_EQ(shot.size(), truth.size());
     EXPECT_EQ(cv::norm(shot, truth, cv::NORM_INF), 0) << "nobody has moved";
+    EXPECT_GT(readJson(out / "report.json").at("frames_standing").get<int>(), 0) << "and the scene was not warped anew";
     EXPECT_GT(cv::mean(truth)[1], 20) << "there is something to see";
 
     // And the window shows it: without the panel's part, and what scaling to the window costs.

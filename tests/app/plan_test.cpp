@@ -39,7 +39,8 @@ void writeScan(const std::filesystem::path& path) {
     box({5.0, 2.6, 0}, {5.2, 6, 2.8});
     const scene::SyntheticScene place(std::move(model));
     constexpr int kColumns = 480, kRows = 200;
-    const scene::Scan scan = scene::simulateScan(place, {glm::dmat3(1), {2, 4, 1.5}}, kColumns, kRows, {.withColour = false});
+    const scene::Scan scan =
+        scene::simulateScan(place, {glm::dmat3(1), {2, 4, 1.5}}, kColumns, kRows, {.withColour = false});
     std::vector<std::string> cells(static_cast<std::size_t>(kColumns) * kRows, "0 0 0 0\n");
     for (std::size_t i = 0; i < scan.pointsInScanner.size(); ++i) {
         const glm::vec3& p = scan.pointsInScanner[i];

@@ -245,8 +245,7 @@ struct Count {
 
 /// A way of drawing the place, and what came of it.
 struct Row {
-    Row(const How& asked, std::size_t nodeCount, double finest)
-        : how(asked), nodes(nodeCount), finestMetres(finest) {}
+    Row(const How& asked, std::size_t nodeCount, double finest) : how(asked), nodes(nodeCount), finestMetres(finest) {}
     How how;
     std::size_t nodes = 0;
     double finestMetres = 0;
@@ -255,8 +254,7 @@ struct Row {
 };
 
 std::unique_ptr<Row> rowOf(const Place& place, const How& how) {
-    const scene::Coverage coverage =
-        how.levels == 0 ? place.coverage : scene::coarsened(place.coverage, how.levels);
+    const scene::Coverage coverage = how.levels == 0 ? place.coverage : scene::coarsened(place.coverage, how.levels);
     auto row = std::make_unique<Row>(how, coverage.nodes.size(), scene::finestCellOf(coverage));
     EXPECT_GE(row->finestMetres, how.leastCellMetres);
     row->coverage = std::make_unique<GpuCoverage>(testDevice(), coverage);
