@@ -24,20 +24,6 @@ using Polygons = RenderTest;
 constexpr double kDisparityStep = 1e-5; // relative: float attributes over the screen
 const glm::dvec3 kUp(0, -1, 0);         // of test_scenes: y is down
 
-/// A rectangle from a corner along two edges, of one material.
-scene::PolygonScene rectangle(const glm::vec3& corner, const glm::vec3& across, const glm::vec3& down,
-                              const glm::vec3& colour = glm::vec3(0.5f)) {
-    scene::PolygonScene polygons;
-    polygons.materials.push_back({.name = "paint", .baseColour = colour});
-    scene::PolygonMesh mesh;
-    mesh.positions = {corner, corner + across, corner + across + down, corner + down};
-    mesh.texturePlaces = {{0, 1}, {1, 1}, {1, 0}, {0, 0}};
-    mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
-    polygons.meshes.push_back(mesh);
-    polygons.instances.push_back({0, glm::dmat4(1.0)});
-    return polygons;
-}
-
 EyeImage draw(const GpuScene& images, const scene::PolygonScene& polygons, const scene::View& view,
               const Quality& quality = {}) {
     const GpuPolygons onDevice(testDevice(), polygons, kUp);

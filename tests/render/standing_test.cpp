@@ -18,19 +18,6 @@ scene::View eyeAt(double x, double yaw) {
     return {cameraOf(kWidth, kHeight, 1.5), poseAt({x, 0.1, 0}, yaw, 0)};
 }
 
-/// A rectangle in the middle of the room, which hides some of it.
-scene::PolygonScene rectangle() {
-    scene::PolygonScene polygons;
-    polygons.materials.push_back({.name = "paint", .baseColour = glm::vec3(0.7f, 0.2f, 0.1f)});
-    scene::PolygonMesh mesh;
-    mesh.positions = {{-0.6, -0.3, 1}, {0.2, -0.3, 1}, {0.2, 0.3, 1}, {-0.6, 0.3, 1}};
-    mesh.texturePlaces = {{0, 1}, {1, 1}, {1, 0}, {0, 0}};
-    mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
-    polygons.meshes.push_back(mesh);
-    polygons.instances.push_back({0, glm::dmat4(1.0)});
-    return polygons;
-}
-
 scene::Coverage halfUnseen(std::uint32_t seed) {
     scene::Coverage coverage = scene::randomCoverage(seed, 4);
     coverage.cornerInWorld = glm::dvec3(-4);
@@ -47,7 +34,9 @@ class Standing : public RenderTest {
     CutScene cut_ = roomAllAround();
     GpuScene scene_{testDevice(), cut_.blocks()};
     GpuCoverage coverage_{testDevice(), halfUnseen(1)}, other_{testDevice(), halfUnseen(2)};
-    GpuPolygons polygons_{testDevice(), rectangle(), {0, -1, 0}};
+    /// In the middle of the room, before some of it.
+    GpuPolygons polygons_{
+        testDevice(), rectangle({-0.6f, -0.3f, 1}, {0.8f, 0, 0}, {0, 0.6f, 0}, {0.7f, 0.2f, 0.1f}), {0, -1, 0}};
 
     struct Drawn {
         bool isStanding = false, hasWarped = false;

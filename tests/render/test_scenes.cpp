@@ -155,6 +155,19 @@ CutScene roomFromWithin(int size, int tileSize) {
     return cut(std::move(images), tileSize);
 }
 
+scene::PolygonScene rectangle(const glm::vec3& corner, const glm::vec3& across, const glm::vec3& down,
+                              const glm::vec3& colour) {
+    scene::PolygonScene polygons;
+    polygons.materials.push_back({.name = "paint", .baseColour = colour});
+    scene::PolygonMesh mesh;
+    mesh.positions = {corner, corner + across, corner + across + down, corner + down};
+    mesh.texturePlaces = {{0, 1}, {1, 1}, {1, 0}, {0, 0}};
+    mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+    polygons.meshes.push_back(mesh);
+    polygons.instances.push_back({0, glm::dmat4(1.0)});
+    return polygons;
+}
+
 std::size_t pointsOf(const CutScene& scene) {
     std::size_t points = 0;
     for (const scene::TileSet& set : scene.sets)

@@ -3,6 +3,7 @@
 // sees it.
 
 #include "scene/depth_image.h"
+#include "scene/polygon_scene.h"
 #include "scene/tile.h"
 #include "scene/view.h"
 
@@ -44,6 +45,10 @@ std::vector<scene::DepthImage> roomFromThreePlaces();
 /// The same; a third of what the second and third took stands in the directional tier, a third are
 /// guesses.
 CutScene roomInAllTiers();
+
+/// Polygons: a rectangle from a corner along two edges, of one material.
+scene::PolygonScene rectangle(const glm::vec3& corner, const glm::vec3& across, const glm::vec3& down,
+                              const glm::vec3& colour = glm::vec3(0.5f));
 
 /// Samples of all blocks that the points warp draws.
 std::size_t pointsOf(const CutScene& scene);
