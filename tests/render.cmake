@@ -39,6 +39,11 @@ revisit_test(revisit_unseen_tests LABELS gpu TIMEOUT 1200
         render/unseen_truth_test.cpp)
 
 revisit_shader(bare_scatter.comp kBareScatterCode ${CMAKE_CURRENT_SOURCE_DIR}/bench/shaders)
-revisit_bench(revisit_render_bench LINKS revisit_render_scenes TBB::tbb
-    SOURCES bench/bare_scatter.cpp bench/large_scene_bench.cpp bench/render_bench.cpp ${CMAKE_CURRENT_BINARY_DIR}/spirv/bare_scatter.comp.h)
+revisit_bench(revisit_render_bench LINKS revisit_render_scenes scene_project scene_refine TBB::tbb
+    SOURCES
+        bench/bare_scatter.cpp
+        bench/large_scene_bench.cpp
+        bench/panorama_bench.cpp
+        bench/render_bench.cpp
+        ${CMAKE_CURRENT_BINARY_DIR}/spirv/bare_scatter.comp.h)
 target_include_directories(revisit_render_bench PRIVATE ${CMAKE_CURRENT_BINARY_DIR})
