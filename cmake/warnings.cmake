@@ -7,6 +7,12 @@ target_compile_options(revisit_flags INTERFACE -Wall -Wextra -Wpedantic -Wshadow
     $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict -Wno-maybe-uninitialized>
     # The processor must round as the shaders do: the CPU warp is the oracle the GPU is compared with.
     -ffp-contract=off)
+# SSE4.2, which every PC has had since 2013: rounding, choosing and counting bits by one instruction each. `revisit build`
+# takes a twelfth less time. More than that (AVX2) would part Eigen's types from those in Ceres' library; hot loops have
+# all there is at run time, through Highway.
+if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(x86_64|AMD64)$")
+    target_compile_options(revisit_flags INTERFACE -march=x86-64-v2)
+endif()
 if(REVISIT_SANITIZE)
     target_compile_options(revisit_flags INTERFACE -fsanitize=${REVISIT_SANITIZE} -fno-sanitize-recover=all
         -fno-omit-frame-pointer)

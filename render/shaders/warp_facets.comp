@@ -10,12 +10,12 @@
 #include "render/shaders/shared/detail.h"
 #include "render/shaders/shared/facet.h"
 #include "render/shaders/shared/z_key.h"
+#include "render/shaders/read_draw.glsl"
 
 layout(local_size_x_id = 0) in;
 
 layout(set = 0, binding = 2) uniform usamplerBuffer facets;
 layout(set = 0, binding = 3) uniform usamplerBuffer texels;
-layout(std430, set = 1, binding = 0) readonly buffer Draws { TileDraw draws[]; };
 layout(std430, set = 1, binding = 1) buffer ZBuffer { uint64_t zBuffer[]; };
 layout(set = 1, binding = 4) uniform usamplerBuffer zTexels;
 layout(push_constant) uniform Constants { WarpConstants constants; };
@@ -74,7 +74,7 @@ void drawPixel(TileDraw draw, Piece piece, uint levelAndClass, ivec2 offset)
 
 void main()
 {
-    TileDraw draw = draws[constants.firstDraw + gl_WorkGroupID.x];
+    TileDraw draw = readDraw(constants.firstDraw + gl_WorkGroupID.x);
     uint levelAndClass = levelAndClassOf(draw);
     for (uint start = 0u; start < draw.span.z; start += gl_WorkGroupSize.x) {
         uint number = start + gl_LocalInvocationID.x;

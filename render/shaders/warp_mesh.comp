@@ -18,12 +18,12 @@
 #include "render/shaders/shared/facet.h"
 #include "render/shaders/shared/triangle.h"
 #include "render/shaders/shared/z_key.h"
+#include "render/shaders/read_draw.glsl"
 
 layout(local_size_x_id = 0) in;
 
 layout(set = 0, binding = 0) uniform usamplerBuffer vertices;
 layout(set = 0, binding = 1) uniform usamplerBuffer quads;
-layout(std430, set = 1, binding = 0) readonly buffer Draws { TileDraw draws[]; };
 layout(std430, set = 1, binding = 1) buffer ZBuffer { uint64_t zBuffer[]; };
 layout(push_constant) uniform Constants { WarpConstants constants; };
 
@@ -159,7 +159,7 @@ void drawCuts(TileDraw draw, uint levelAndClass)
 
 void main()
 {
-    TileDraw draw = draws[constants.firstDraw + gl_WorkGroupID.x];
+    TileDraw draw = readDraw(constants.firstDraw + gl_WorkGroupID.x);
     uint levelAndClass = levelAndClassOf(draw);
     for (uint start = 0u; start < draw.span.z; start += gl_WorkGroupSize.x) {
         uint number = start + gl_LocalInvocationID.x;

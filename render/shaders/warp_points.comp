@@ -7,17 +7,17 @@
 
 #include "render/shaders/shared/detail.h"
 #include "render/shaders/shared/z_key.h"
+#include "render/shaders/read_draw.glsl"
 
 layout(local_size_x_id = 0) in;
 
 layout(set = 0, binding = 0) uniform usamplerBuffer vertices;
-layout(std430, set = 1, binding = 0) readonly buffer Draws { TileDraw draws[]; };
 layout(std430, set = 1, binding = 1) buffer ZBuffer { uint64_t zBuffer[]; };
 layout(push_constant) uniform Constants { WarpConstants constants; };
 
 void main()
 {
-    TileDraw draw = draws[constants.firstDraw + gl_WorkGroupID.x];
+    TileDraw draw = readDraw(constants.firstDraw + gl_WorkGroupID.x);
     int size = footprintOf(draw);
     uint levelAndClass = levelAndClassOf(draw);
     float width = float(constants.width), height = float(constants.height);

@@ -8,11 +8,11 @@
 #include "render/shaders/shared/detail.h"
 #include "render/shaders/shared/splat.h"
 #include "render/shaders/shared/z_key.h"
+#include "render/shaders/read_draw.glsl"
 
 layout(local_size_x_id = 0) in;
 
 layout(set = 0, binding = 0) uniform usamplerBuffer vertices;
-layout(std430, set = 1, binding = 0) readonly buffer Draws { TileDraw draws[]; };
 layout(std430, set = 1, binding = 1) buffer ZBuffer { uint64_t zBuffer[]; };
 layout(set = 1, binding = 4) uniform usamplerBuffer zTexels;
 layout(push_constant) uniform Constants { WarpConstants constants; };
@@ -31,7 +31,7 @@ void drawPixel(int x, int y, vec2 offset, float centre, float perRadius2, uint c
 
 void main()
 {
-    TileDraw draw = draws[constants.firstDraw + gl_WorkGroupID.x];
+    TileDraw draw = readDraw(constants.firstDraw + gl_WorkGroupID.x);
     uint levelAndClass = levelAndClassOf(draw);
     // Alike for all samples of the tile: no invocation waits for another's wider circle.
     float radius = splatRadiusOf(draw);

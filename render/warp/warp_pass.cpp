@@ -41,9 +41,11 @@ WarpRow rowOf(const Device& device, Warp warp) {
 
 WarpPass makeWarpPass(const Device& device, Warp warp, VkDescriptorSetLayout pageLayout,
                       VkDescriptorSetLayout eyeLayout) {
+    constexpr std::uint32_t kSharingLanes = 8; // as in shaders/read_draw.glsl
     const WarpRow row = rowOf(device, warp);
+    const bool sharesReading = device.isProcessor() && row.workgroupSize == kSharingLanes;
     return {makeComputePipeline(device, row.code, std::array{pageLayout, eyeLayout}, sizeof(WarpConstants),
-                                std::array{row.workgroupSize})};
+                                std::array{row.workgroupSize, std::uint32_t{sharesReading}})};
 }
 
 void bindPage(VkCommandBuffer commands, VkPipelineLayout layout, const GpuScene& scene, const DrawRun& run) {

@@ -6,10 +6,13 @@
 #include <array>
 #include <atomic>
 #include <cmath>
+#include <limits>
+#include <span>
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
+#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
 namespace scene {
@@ -27,66 +30,96 @@ struct Sides {
     float near = 0, far = 0, pixels = 0;
 };
 
-/// Least and greatest disparity of the surfaces in the window about each pixel; 0 where there is none.
+/// Disparity of each surface; 0 where there is none.
+Image<float> surfacesOf(const DepthImage& image) {
+    Image<float> surfaces(image.camera.width, image.camera.height, 0.f);
+    for (std::size_t i = 0; i < surfaces.size(); ++i)
+        if (isSurface(image.flags.pixels()[i])) surfaces.pixels()[i] = image.disparity.pixels()[i];
+    return surfaces;
+}
+
+/// Least and greatest disparity of the surfaces in the window about each pixel; 0 is the greatest where there is none.
 struct Extremes {
     Image<float> least, greatest;
 };
 
-Extremes findExtremes(const DepthImage& image, int radius) {
-    const int width = image.camera.width, height = image.camera.height;
-    Image<float> leastOfRow(width, height, 0.f), greatestOfRow = leastOfRow;
-    Extremes found{leastOfRow, leastOfRow};
-    const auto widen = [](float& least, float& greatest, float low, float high) {
-        if (high <= 0) return;
-        greatest = std::max(greatest, high);
-        least = least > 0 ? std::min(least, low) : low;
-    };
-    tbb::parallel_for(0, height, [&](int y) {
-        for (int x = 0; x < width; ++x)
-            for (int i = std::max(x - radius, 0); i <= std::min(x + radius, width - 1); ++i)
-                if (isSurface(image.flags(i, y)))
-                    widen(leastOfRow(x, y), greatestOfRow(x, y), image.disparity(i, y), image.disparity(i, y));
+/// What a window takes of rows of values, each beside the next: a whole row at a time, as vectors like it.
+void takeLeast(std::span<float> least, const float* values) {
+    for (std::size_t i = 0; i < least.size(); ++i)
+        least[i] = values[i] < least[i] ? values[i] : least[i];
+}
+void takeGreatest(std::span<float> greatest, const float* values) {
+    for (std::size_t i = 0; i < greatest.size(); ++i)
+        greatest[i] = values[i] > greatest[i] ? values[i] : greatest[i];
+}
+
+Extremes findExtremes(const Image<float>& surfaces, int radius) {
+    const int width = surfaces.width(), height = surfaces.height();
+    constexpr float kNone = std::numeric_limits<float>::infinity();
+    Extremes ofRows{Image<float>(width, height, kNone), Image<float>(width, height, 0.f)}, found = ofRows;
+    tbb::parallel_for(tbb::blocked_range<int>(0, height), [&](const tbb::blocked_range<int>& rows) {
+        const auto reach = static_cast<std::size_t>(radius), wide = static_cast<std::size_t>(width);
+        std::vector<float> high(wide + 2 * reach, 0.f), low(high.size(), kNone); // nothing stands beside the image
+        for (int y = rows.begin(); y < rows.end(); ++y) {
+            for (std::size_t x = 0; x < wide; ++x) {
+                const float d = surfaces.row(y)[x];
+                high[reach + x] = d, low[reach + x] = d > 0 ? d : kNone;
+            }
+            for (std::size_t i = 0; i <= 2 * reach; ++i)
+                takeLeast(ofRows.least.row(y), &low[i]), takeGreatest(ofRows.greatest.row(y), &high[i]);
+        }
     });
     tbb::parallel_for(0, height, [&](int y) {
-        for (int x = 0; x < width; ++x)
-            for (int j = std::max(y - radius, 0); j <= std::min(y + radius, height - 1); ++j)
-                widen(found.least(x, y), found.greatest(x, y), leastOfRow(x, j), greatestOfRow(x, j));
+        for (int j = std::max(y - radius, 0); j <= std::min(y + radius, height - 1); ++j) {
+            takeLeast(found.least.row(y), ofRows.least.row(j).data());
+            takeGreatest(found.greatest.row(y), ofRows.greatest.row(j).data());
+        }
     });
     return found;
 }
 
+struct Offset {
+    int x, y;
+    float pixels;         ///< how far that is
+    std::ptrdiff_t index; ///< among the pixels of an image
+};
+
 /// Offsets within a window, the nearest first.
-std::vector<std::array<int, 2>> offsetsWithin(int radius) {
-    std::vector<std::array<int, 2>> offsets;
+std::vector<Offset> offsetsWithin(int radius, int width) {
+    std::vector<Offset> offsets;
     for (int y = -radius; y <= radius; ++y)
         for (int x = -radius; x <= radius; ++x)
-            offsets.push_back({x, y});
-    std::stable_sort(offsets.begin(), offsets.end(), [](const auto& a, const auto& b) {
-        return a[0] * a[0] + a[1] * a[1] < b[0] * b[0] + b[1] * b[1];
-    });
+            offsets.push_back({x, y, std::hypot(static_cast<float>(x), static_cast<float>(y)),
+                               static_cast<std::ptrdiff_t>(y) * width + x});
+    std::stable_sort(offsets.begin(), offsets.end(),
+                     [](const Offset& a, const Offset& b) { return a.x * a.x + a.y * a.y < b.x * b.x + b.y * b.y; });
     return offsets;
 }
 
 /// Both sides at each pixel beside a jump: of each the sample nearest in the image, the pixel's own among them.
 Image<Sides> findSides(const DepthImage& image, const SilhouetteOptions& options) {
-    const int width = image.camera.width, height = image.camera.height;
-    const Extremes extremes = findExtremes(image, options.radius);
-    const std::vector<std::array<int, 2>> offsets = offsetsWithin(options.radius);
+    const int width = image.camera.width, height = image.camera.height, radius = options.radius;
+    const Image<float> surfaces = surfacesOf(image);
+    const Extremes extremes = findExtremes(surfaces, radius);
+    const std::vector<Offset> offsets = offsetsWithin(radius, width);
     Image<Sides> sides(width, height);
     tbb::parallel_for(0, height, [&](int y) {
+        const std::span<const float> greatest = extremes.greatest.row(y), least = extremes.least.row(y);
         for (int x = 0; x < width; ++x) {
-            const float near = extremes.greatest(x, y), far = extremes.least(x, y);
+            const float near = greatest[static_cast<std::size_t>(x)], far = least[static_cast<std::size_t>(x)];
             if (near <= 0 || near - far <= options.jump * near) continue;
-            const float middle = (near + far) / 2;
+            const float middle = (near + far) / 2, *const here = &surfaces(x, y);
+            const bool isInside = x >= radius && y >= radius && x < width - radius && y < height - radius;
             Sides found;
-            for (const auto& [dx, dy] : offsets) {
-                const int i = x + dx, j = y + dy;
-                if (i < 0 || j < 0 || i >= width || j >= height || !isSurface(image.flags(i, j))) continue;
-                const float d = image.disparity(i, j);
+            for (const Offset& offset : offsets) {
+                const int i = x + offset.x, j = y + offset.y;
+                if (!isInside && (i < 0 || j < 0 || i >= width || j >= height)) continue;
+                const float d = here[offset.index];
+                if (d <= 0) continue;
                 float& side = d > middle ? found.near : found.far;
                 if (side > 0) continue;
                 side = d;
-                found.pixels = std::hypot(static_cast<float>(dx), static_cast<float>(dy));
+                found.pixels = offset.pixels;
                 if (found.near > 0 && found.far > 0) break;
             }
             if (found.far > 0 && found.near - found.far > options.jump * found.near) sides(x, y) = found;

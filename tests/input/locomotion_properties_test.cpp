@@ -2,9 +2,9 @@
 
 #include "tests/input/walker.h"
 
-#include <gtest/gtest.h>
+#include "scene/synthetic_random.h"
 
-#include <random>
+#include <gtest/gtest.h>
 
 #include <glm/geometric.hpp>
 
@@ -15,15 +15,15 @@ namespace {
 TEST(Locomotion, NoNumberThrowsTheWalkerOutOfTheWorld) {
     constexpr double kInf = std::numeric_limits<double>::infinity();
     const double bad[] = {std::numeric_limits<double>::quiet_NaN(), kInf, -kInf, 1e308, -1e308, 1e30, 1e-320, -0.0};
-    std::mt19937 random(11);
-    std::uniform_real_distribution<double> any(-1, 1);
+    scene::SeededSequence random(11);
+    const auto any = [&] { return random.between(-1, 1); };
     const auto spoil = [&](double& value) {
-        if (any(random) > 0.8) value = bad[random() % std::size(bad)];
+        if (any() > 0.8) value = bad[random.bits() % std::size(bad)];
     };
     const auto spoilPose = [&](scene::Pose& pose) {
         for (int i = 0; i < 3; ++i)
-            if (any(random) > 0.9) spoil(pose.translation[i]), spoil(pose.rotation[i][static_cast<int>(random() % 3)]);
-        if (any(random) > 0.98) pose.rotation = glm::dmat3(0);
+            if (any() > 0.9) spoil(pose.translation[i]), spoil(pose.rotation[i][static_cast<int>(random.bits() % 3)]);
+        if (any() > 0.98) pose.rotation = glm::dmat3(0);
     };
     Surroundings surroundings = room();
     surroundings.hit = [hit = surroundings.hit, &spoil](const glm::dvec3& from, const glm::dvec3& d) {
@@ -41,11 +41,11 @@ TEST(Locomotion, NoNumberThrowsTheWalkerOutOfTheWorld) {
         spoil(wants.turnBy), spoil(wants.speedUp), spoil(wants.scaleUp), spoil(wants.riseBy);
         spoilPose(wants.trackingFromHead);
         for (Hand& hand : wants.hands) {
-            hand.isTracked = any(random) > -0.9, hand.grabs = any(random) > 0.5, hand.teleports = any(random) > 0.5;
-            hand.trackingFromGrip = hand.trackingFromAim = poseAt({any(random), 1, any(random)}, 3 * any(random), -1);
+            hand.isTracked = any() > -0.9, hand.grabs = any() > 0.5, hand.teleports = any() > 0.5;
+            hand.trackingFromGrip = hand.trackingFromAim = poseAt({any(), 1, any()}, 3 * any(), -1);
             spoilPose(hand.trackingFromGrip), spoilPose(hand.trackingFromAim);
         }
-        wants.next = any(random) > 0.9, wants.recentre = any(random) > 0.9;
+        wants.next = any() > 0.9, wants.recentre = any() > 0.9;
         state = step(state, wants, {}, surroundings);
         ASSERT_LT(glm::length(state.rig.origin), 1e9) << i;
         ASSERT_LE(std::abs(state.rig.yaw), std::numbers::pi) << i;
@@ -60,15 +60,15 @@ TEST(Locomotion, NoNumberThrowsTheWalkerOutOfTheWorld) {
 }
 
 TEST(Locomotion, ATurnBackUndoesATurn) {
-    std::mt19937 random(5);
-    std::uniform_real_distribution<double> any(-1, 1);
+    scene::SeededSequence random(5);
+    const auto any = [&] { return random.between(-1, 1); };
     for (int i = 0; i < 1000; ++i) {
         Locomotion state;
-        state.rig = {{100 * any(random), any(random), 100 * any(random)}, 3 * any(random), std::exp(3 * any(random))};
+        state.rig = {{100 * any(), any(), 100 * any()}, 3 * any(), std::exp(3 * any())};
         const Rig before = state.rig;
         Wants wants = standing();
-        wants.trackingFromHead = poseAt({any(random), 1.6, any(random)}, 3 * any(random), any(random));
-        const double by = 10 * any(random);
+        wants.trackingFromHead = poseAt({any(), 1.6, any()}, 3 * any(), any());
+        const double by = 10 * any();
         const glm::dvec3 head = headOf(state, wants);
         for (const double radians : {by, -by}) {
             wants.turnBy = radians, state = step(state, wants, {}, room());
@@ -94,8 +94,8 @@ Surroundings enlarged(Surroundings surroundings, double s) {
 
 TEST(Locomotion, InAWorldOfAnotherSizeEverythingFeelsTheSame) {
     for (const double s : {0.01, 30.0}) {
-        std::mt19937 random(9);
-        std::uniform_real_distribution<double> any(-1, 1);
+        scene::SeededSequence random(9);
+        const auto any = [&] { return random.between(-1, 1); };
         const Surroundings plain = room(), large = enlarged(plain, s);
         Locomotion a, b;
         int teleports = 0;
@@ -107,19 +107,19 @@ TEST(Locomotion, InAWorldOfAnotherSizeEverythingFeelsTheSame) {
                 b.rig = {s * a.rig.origin, 0.3, s};
                 a.held = b.held = {};
             }
-            wants.trackingFromHead.translation = {0.3 * any(random), 1.6, 0.3 * any(random)};
-            wants.move = {any(random), any(random)}, wants.climb = 0.1 * any(random), wants.turn = any(random);
-            wants.riseBy = 0.01 * any(random), wants.hurries = any(random) > 0;
-            wants.recentre = any(random) > 0.95;
+            wants.trackingFromHead.translation = {0.3 * any(), 1.6, 0.3 * any()};
+            wants.move = {any(), any()}, wants.climb = 0.1 * any(), wants.turn = any();
+            wants.riseBy = 0.01 * any(), wants.hurries = any() > 0;
+            wants.recentre = any() > 0.95;
             for (Hand& hand : wants.hands) {
                 hand.isTracked = true;
-                if (any(random) > 0.8) hand.grabs = !hand.grabs;
-                if (any(random) > 0.8) hand.teleports = !hand.teleports;
-                hand.trackingFromAim = poseAt({0, 1.2, 0}, 3 * any(random), -0.8 + 0.5 * any(random));
+                if (any() > 0.8) hand.grabs = !hand.grabs;
+                if (any() > 0.8) hand.teleports = !hand.teleports;
+                hand.trackingFromAim = poseAt({0, 1.2, 0}, 3 * any(), -0.8 + 0.5 * any());
             }
             // About the same distance apart, so that two hands turn and move the world and change its size little.
-            wants.hands[0].trackingFromGrip = poseAt({-0.3, 1.2, 0.3 * any(random)});
-            wants.hands[1].trackingFromGrip = poseAt({0.3, 1.2, 0.3 * any(random)});
+            wants.hands[0].trackingFromGrip = poseAt({-0.3, 1.2, 0.3 * any()});
+            wants.hands[1].trackingFromGrip = poseAt({0.3, 1.2, 0.3 * any()});
             const bool wasAllowed = a.target && a.target->isAllowed();
             a = step(a, wants, {}, plain), b = step(b, wants, {}, large);
             teleports += wasAllowed && !a.target ? 1 : 0;
@@ -155,22 +155,20 @@ TEST(Locomotion, AMillionStepsDoNotDrift) {
 }
 
 TEST(Locomotion, AMillionWishesTiltNothingAndStayFinite) {
-    std::mt19937 random(7);
-    std::uniform_real_distribution<double> any(-1, 1);
+    scene::SeededSequence random(7);
+    const auto any = [&] { return random.between(-1, 1); };
     const Surroundings surroundings = room();
     Locomotion state;
     for (int i = 0; i < 1000000; ++i) {
         Wants wants = standing();
-        wants.trackingFromHead =
-            poseAt({any(random), 1.6 + 0.3 * any(random), any(random)}, 3 * any(random), any(random));
-        wants.move = {any(random), any(random)}, wants.turn = any(random), wants.turnBy = 0.1 * any(random);
+        wants.trackingFromHead = poseAt({any(), 1.6 + 0.3 * any(), any()}, 3 * any(), any());
+        wants.move = {any(), any()}, wants.turn = any(), wants.turnBy = 0.1 * any();
         for (Hand& hand : wants.hands) {
-            hand.isTracked = any(random) > -0.9;
-            hand.grabs = any(random) > 0.5, hand.teleports = any(random) > 0.8;
-            hand.trackingFromGrip = hand.trackingFromAim =
-                poseAt({any(random), 1 + any(random), any(random)}, 3 * any(random), any(random));
+            hand.isTracked = any() > -0.9;
+            hand.grabs = any() > 0.5, hand.teleports = any() > 0.8;
+            hand.trackingFromGrip = hand.trackingFromAim = poseAt({any(), 1 + any(), any()}, 3 * any(), any());
         }
-        wants.home = any(random) > 0.99, wants.recentre = any(random) > 0.99, wants.next = any(random) > 0.99;
+        wants.home = any() > 0.99, wants.recentre = any() > 0.99, wants.next = any() > 0.99;
         state = step(state, wants, {}, surroundings);
     }
     const glm::dmat3 r = state.rig.rotation();

@@ -3,8 +3,9 @@
 
 #include "scene/camera.h"
 #include "scene/pose.h"
+#include "scene/synthetic_random.h"
 
-#include <random>
+#include <cstdint>
 
 #include <glm/vec3.hpp>
 
@@ -13,18 +14,19 @@ inline constexpr glm::dvec3 kFarFromOrigin{1.0e7, -0.7e7, 0.4e7};
 
 class RandomPlaces {
   public:
-    explicit RandomPlaces(unsigned seed) : generator_(seed) {}
+    explicit RandomPlaces(unsigned seed) : random_(seed) {}
 
-    double between(double low, double high) { return std::uniform_real_distribution<double>(low, high)(generator_); }
-    int integerBetween(int low, int high) { return std::uniform_int_distribution<int>(low, high)(generator_); }
+    double between(double low, double high) { return random_.between(low, high); }
+    int integerBetween(int low, int high) {
+        return low + static_cast<int>(random_.bits() % static_cast<std::uint64_t>(std::int64_t{high} - low + 1));
+    }
     glm::dvec3 point(double extent) {
         const double x = between(-extent, extent), y = between(-extent, extent), z = between(-extent, extent);
         return {x, y, z};
     }
     /// Any rotation, all equally likely; a translation within extent along each axis of about.
     scene::Pose pose(double extent, const glm::dvec3& about = glm::dvec3(0.0)) {
-        std::normal_distribution<double> normal;
-        const double x = normal(generator_), y = normal(generator_), z = normal(generator_), w = normal(generator_);
+        const double x = random_.normal(), y = random_.normal(), z = random_.normal(), w = random_.normal();
         return scene::poseFromQuaternion(about + point(extent), x, y, z, w);
     }
     /// Centres may lie well beside the middle, as those of an eye.
@@ -37,5 +39,5 @@ class RandomPlaces {
     }
 
   private:
-    std::mt19937 generator_;
+    scene::SeededSequence random_;
 };

@@ -2,12 +2,12 @@
 
 #include "scene/align/joint_images.h"
 #include "scene/refine/colour_evening.h"
+#include "scene/synthetic_random.h"
 
 #include "tests/scene/known_scenes.h"
 
 #include <algorithm>
 #include <cmath>
-#include <random>
 
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
@@ -30,9 +30,13 @@ const std::vector<DepthImage>& truth() {
 }
 
 /// A turn about an axis by an angle of normal distribution, and a step.
-Pose disturbed(const Pose& pose, double metres, double radians, std::mt19937& generator) {
-    std::normal_distribution<double> normal;
-    const auto some = [&] { return glm::dvec3(normal(generator), normal(generator), normal(generator)); };
+Pose disturbed(const Pose& pose, double metres, double radians, SeededSequence& random) {
+    const auto some = [&] { // one after the other, so that every compiler draws the same
+        glm::dvec3 v;
+        for (int i = 0; i < 3; ++i)
+            v[i] = random.normal();
+        return v;
+    };
     const glm::dvec3 half = 0.5 * radians / std::sqrt(3.0) * some();
     const Pose turn = poseFromQuaternion(glm::dvec3(0), half.x, half.y, half.z, 1);
     return {turn.rotation * pose.rotation, pose.translation + metres / std::sqrt(3.0) * some()};
@@ -40,25 +44,22 @@ Pose disturbed(const Pose& pose, double metres, double radians, std::mt19937& ge
 
 /// As a camera would have taken them: noise of both kinds, exposures up to a third of a stop off.
 std::vector<DepthImage> taken(std::vector<DepthImage> images, unsigned seed) {
-    std::mt19937 generator(seed);
-    std::normal_distribution<double> normal;
-    std::uniform_real_distribution<double> stops(-0.33, 0.33);
+    SeededSequence random(seed);
     for (DepthImage& image : images) {
-        applyFactors(image.colour, glm::dvec3(std::exp2(stops(generator))));
+        applyFactors(image.colour, glm::dvec3(std::exp2(random.between(-0.33, 0.33))));
         for (Rgb8& c : image.colour.pixels())
             for (std::uint8_t* channel : {&c.r, &c.g, &c.b})
-                *channel =
-                    static_cast<std::uint8_t>(std::clamp(std::lround(*channel + 2 * normal(generator)), 0l, 255l));
+                *channel = static_cast<std::uint8_t>(std::clamp(std::lround(*channel + 2 * random.normal()), 0l, 255l));
         for (float& d : image.disparity.pixels())
-            d *= static_cast<float>(1 + 0.001 * normal(generator));
+            d *= static_cast<float>(1 + 0.001 * random.normal());
     }
     return images;
 }
 
 void disturb(std::vector<DepthImage>& images, unsigned seed) {
-    std::mt19937 generator(seed);
+    SeededSequence random(seed);
     for (DepthImage& image : images)
-        image.worldFromCamera = disturbed(image.worldFromCamera, 0.015, 0.5 * kDegree, generator);
+        image.worldFromCamera = disturbed(image.worldFromCamera, 0.015, 0.5 * kDegree, random);
 }
 
 JointImages laid(const std::vector<DepthImage>& images, const std::vector<std::uint8_t>& isFollower = {}) {
@@ -137,9 +138,9 @@ TEST(JointImages, OneWrongAmongManyThatAreRightIsFoundAndMovesNobody) {
     constexpr std::size_t kWrong = 20, kHeldOut = 33;
     const std::vector<DepthImage> rightly = imagesOfBareRoom(kMany, resized(smallCamera(), 160, 120));
     std::vector<DepthImage> images = taken(rightly, 11);
-    std::mt19937 generator(111);
+    SeededSequence random(111);
     for (const std::size_t i : {kWrong, kHeldOut})
-        images[i].worldFromCamera = disturbed(images[i].worldFromCamera, 0.03, 1 * kDegree, generator);
+        images[i].worldFromCamera = disturbed(images[i].worldFromCamera, 0.03, 1 * kDegree, random);
     std::vector<std::uint8_t> isFollower(kMany, 0);
     for (const std::size_t i :
          {std::size_t{5}, std::size_t{12}, std::size_t{19}, std::size_t{26}, kHeldOut, std::size_t{40}})

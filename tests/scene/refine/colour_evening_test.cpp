@@ -2,12 +2,12 @@
 
 #include "scene/refine/colour_evening.h"
 #include "scene/srgb.h"
+#include "scene/synthetic_random.h"
 
 #include "tests/scene/known_scenes.h"
 
 #include <algorithm>
 #include <cmath>
-#include <random>
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
@@ -38,22 +38,19 @@ std::vector<DepthImage> changed(std::vector<DepthImage> images, const ColourEven
 }
 
 void addNoise(Image<Rgb8>& colour, double sigma, unsigned seed) {
-    std::mt19937 generator(seed);
-    std::normal_distribution<double> normal;
+    SeededSequence random(seed);
     for (Rgb8& c : colour.pixels())
         for (std::uint8_t* channel : {&c.r, &c.g, &c.b})
-            *channel =
-                static_cast<std::uint8_t>(std::clamp(std::lround(*channel + sigma * normal(generator)), 0l, 255l));
+            *channel = static_cast<std::uint8_t>(std::clamp(std::lround(*channel + sigma * random.normal()), 0l, 255l));
 }
 
 /// Exposures up to half a stop up and down, and a balance that drifts by a tenth.
 std::vector<DepthImage> drifted(std::vector<DepthImage> images, unsigned seed) {
-    std::mt19937 generator(seed);
-    std::uniform_real_distribution<double> stops(-0.5, 0.5), balance(-0.1, 0.1);
+    SeededSequence random(seed);
+    const auto balance = [&] { return 1 + random.between(-0.1, 0.1); };
     for (DepthImage& image : images) {
-        const double exposure = std::exp2(stops(generator));
-        applyFactors(image.colour,
-                     exposure * glm::dvec3(1 + balance(generator), 1 + balance(generator), 1 + balance(generator)));
+        const double exposure = std::exp2(random.between(-0.5, 0.5));
+        applyFactors(image.colour, exposure * glm::dvec3{balance(), balance(), balance()});
     }
     return images;
 }

@@ -1,11 +1,11 @@
 #include "scene/refine/fusion.h"
+#include "scene/synthetic_random.h"
 
 #include "tests/scene/known_scenes.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <random>
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
@@ -17,15 +17,14 @@ constexpr double kSigma = 0.004; ///< relative noise of disparity
 constexpr double kColourSigma = 6;
 
 void addNoise(DepthImage& image, unsigned seed) {
-    std::mt19937 generator(seed);
-    std::normal_distribution<double> normal;
+    SeededSequence random(seed);
     for (int y = 0; y < image.camera.height; ++y)
         for (int x = 0; x < image.camera.width; ++x) {
-            image.disparity(x, y) *= static_cast<float>(1 + kSigma * normal(generator));
+            image.disparity(x, y) *= static_cast<float>(1 + kSigma * random.normal());
             Rgb8& c = image.colour(x, y);
             for (std::uint8_t* channel : {&c.r, &c.g, &c.b})
                 *channel = static_cast<std::uint8_t>(
-                    std::clamp(std::lround(*channel + kColourSigma * normal(generator)), 0l, 255l));
+                    std::clamp(std::lround(*channel + kColourSigma * random.normal()), 0l, 255l));
         }
 }
 
