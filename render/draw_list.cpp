@@ -29,8 +29,8 @@ constexpr double kRounding = 1 + 1e-4; ///< what single precision may make of a 
 
 constexpr double kAnywhere = std::numeric_limits<double>::infinity();
 
-/// What draws a tile: for the adaptive mesh its squares where it has no facets; scraps are points, since hardly any of
-/// their squares has a neighbour.
+/// What draws a tile: for the adaptive mesh its squares where it has no facets; scraps are points while those are
+/// small.
 Warp warpOf(const ResidentTile& tile, Warp wanted) {
     if (wanted != Warp::adaptive || tile.facetCount > 0) return wanted;
     return tile.placeBits == scene::kScrapPlaceBits ? Warp::points : Warp::mesh;
@@ -70,6 +70,10 @@ std::uint32_t footprintOf(const glm::dmat4& c, const scene::SampleBox& box, cons
 
 /// Pixels.
 constexpr std::uint32_t kSmallStandIn = 4;
+
+/// Pixels. As squares of up to so many, scraps look much as their mesh would, and are drawn in less time; wider squares
+/// stand out of their surface's rim, and show one colour where the mesh has a transition.
+constexpr std::uint32_t kWidestScrapPoint = 2;
 
 /// Order levels that stand-ins are pushed back by: where some of the finer samples are there, those are seen.
 constexpr int kStandInLevels = 2;
@@ -269,7 +273,16 @@ void chooseDraws(const SceneIndex& scene, std::span<const ChunkPlace> places, st
         // Where its samples are seen small, squares alone leave no gaps that would be seen.
         const bool isSmall = isStandIn && footprintOf(source.eyeImageFromSource, boxOf(scene.bounds, number), quality,
                                                       true) <= kSmallStandIn;
-        const Warp warp = isSmall ? Warp::points : warpOf(tile, isStandIn ? Warp::adaptive : quality.warp);
+        const auto warpOfTile = [&] {
+            if (isSmall) return Warp::points;
+            if (isStandIn) return warpOf(tile, Warp::adaptive);
+            const Warp warp = warpOf(tile, quality.warp);
+            const bool isWideScrap =
+                quality.warp == Warp::adaptive && warp == Warp::points &&
+                footprintOf(source.eyeImageFromSource, boxOf(scene.bounds, number), quality, false) > kWidestScrapPoint;
+            return isWideScrap ? Warp::mesh : warp;
+        };
+        const Warp warp = warpOfTile();
         if (itemsOf(tile, warp) == 0) return std::nullopt;
         const auto level = scene::orderLevelOf(tile.middle, source.eyeFromCamera, quality.preference);
         if (!level) return std::nullopt;
