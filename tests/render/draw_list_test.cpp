@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include <array>
 #include <cstring>
 #include <random>
 
@@ -71,6 +72,30 @@ TEST(DrawList, GoesPageByPage) {
     }
     EXPECT_EQ(next, list.tiles);
     EXPECT_EQ(items, list.items);
+}
+
+/// By how many tiles of scraps are drawn as what, seen by an eye of that horizontal field of view, in radians.
+std::array<std::uint32_t, 2> pointsAndMesh(Many many, double fieldOfView) {
+    many.sources[0].eyeImageFromSource =
+        scene::eyeImageFromSourceImage({cameraOf(640, 480, fieldOfView), {}}, cameraOf(2000, 2000, 1.5), {});
+    for (ResidentTile& tile : many.scene.tiles)
+        tile.placeBits = scene::kScrapPlaceBits;
+    std::vector<TileDraw> draws;
+    std::array<std::uint32_t, 2> counts{};
+    for (const DrawRun& run : listOf(many, {.warp = Warp::adaptive}, draws).runs) {
+        EXPECT_TRUE(run.warp == Warp::points || run.warp == Warp::mesh);
+        counts[run.warp == Warp::mesh ? 1 : 0] += run.count;
+    }
+    return counts;
+}
+
+TEST(DrawList, ScrapsOfTheAdaptiveMeshArePointsWhileThoseAreSmall) {
+    const Many many = manyTiles(600);
+    const auto fromAfar = pointsAndMesh(many, 1.5), fromNearby = pointsAndMesh(many, 0.05);
+    EXPECT_EQ(fromAfar[0], 400u) << "those that have samples";
+    EXPECT_EQ(fromAfar[1], 0u);
+    EXPECT_EQ(fromNearby[0], 0u);
+    EXPECT_GE(fromNearby[1], 400u) << "and squares";
 }
 
 TEST(DrawList, IsTheSameOnAnyNumberOfThreads) {
