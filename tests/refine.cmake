@@ -13,11 +13,14 @@ revisit_test(revisit_refine_tests WHOLE LABELS unit TIMEOUT 300 LINKS scene scen
         scene/overlap_test.cpp
         scene/refine/patch_cost_test.cpp
         scene/refine/redundancy_test.cpp
-        scene/refine/silhouettes_test.cpp
         scene/refine/skins_test.cpp
         scene/reprojection_test.cpp
         scene/sample_comparison_test.cpp
         scene/warp_test.cpp)
+
+# By themselves, since sanitized they take as long as all of the above.
+revisit_test(revisit_silhouette_tests WHOLE LABELS unit TIMEOUT 300 LINKS scene scene_refine TBB::tbb
+    SOURCES scene/known_scenes.cpp scene/refine/silhouettes_test.cpp)
 
 # What the build reads and keeps: its own depth images, and captures made of pictures.
 revisit_test(revisit_picture_tests WHOLE LABELS unit TIMEOUT 300
