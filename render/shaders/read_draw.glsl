@@ -10,6 +10,8 @@ layout(constant_id = 1) const uint SHARES_READING = 0u; // 1: the workgroup is o
 layout(std430, set = 1, binding = 0) readonly buffer Draws { TileDraw draws[]; };
 layout(std430, set = 1, binding = 0) readonly buffer DrawWords { uint drawWords[]; };
 
+const uint kDrawWords = 28u; // tile_draw.h asserts that they are 112 bytes
+
 #define TOLD_BY(word, first)                                                                                           \
     uvec4(subgroupBroadcast(word, first), subgroupBroadcast(word, (first) + 1u), subgroupBroadcast(word, (first) + 2u), \
           subgroupBroadcast(word, (first) + 3u))
@@ -17,7 +19,7 @@ layout(std430, set = 1, binding = 0) readonly buffer DrawWords { uint drawWords[
 TileDraw readDraw(uint number)
 {
     if (SHARES_READING == 0u) return draws[number];
-    uint first = 28u * number, lane = gl_SubgroupInvocationID;
+    uint first = kDrawWords * number, lane = gl_SubgroupInvocationID;
     uint a = drawWords[first + lane], b = drawWords[first + 8u + lane], c = drawWords[first + 16u + lane],
          d = drawWords[first + 24u + (lane & 3u)];
     TileDraw draw;

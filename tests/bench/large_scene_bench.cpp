@@ -3,6 +3,7 @@
 // The scene is the one that ./dev demo builds, or another that REVISIT_BENCH_SCENE names.
 
 #include "render/renderer.h"
+#include "scene/median.h"
 #include "scene/scene_file.h"
 #include "tests/render/test_scenes.h"
 
@@ -55,11 +56,6 @@ struct Site {
     std::vector<double> milliseconds;
 };
 
-double medianOf(std::vector<double> values) {
-    std::nth_element(values.begin(), values.begin() + std::ssize(values) / 2, values.end());
-    return values[values.size() / 2];
-}
-
 void areaOfScene(benchmark::State& state, Warp warp) {
     static const Device device;
     const char* const given = std::getenv("REVISIT_BENCH_SCENE");
@@ -91,9 +87,9 @@ void areaOfScene(benchmark::State& state, Warp warp) {
             const std::chrono::duration<double, std::milli> passed = std::chrono::steady_clock::now() - start;
             sites[i]->milliseconds.push_back(passed.count());
         }
-    state.counters["ms_1x"] = medianOf(sites[0]->milliseconds);
-    state.counters["ratio_10x"] = medianOf(sites[1]->milliseconds) / medianOf(sites[0]->milliseconds);
-    state.counters["ratio_100x"] = medianOf(sites[2]->milliseconds) / medianOf(sites[0]->milliseconds);
+    state.counters["ms_1x"] = scene::medianOf(sites[0]->milliseconds);
+    state.counters["ratio_10x"] = scene::medianOf(sites[1]->milliseconds) / scene::medianOf(sites[0]->milliseconds);
+    state.counters["ratio_100x"] = scene::medianOf(sites[2]->milliseconds) / scene::medianOf(sites[0]->milliseconds);
     state.counters["tiles_1x"] = stats[0].eyes[0].tilesDrawn;
     state.counters["tiles_100x"] = stats[2].eyes[0].tilesDrawn;
     state.counters["samples_1x"] = static_cast<double>(stats[0].eyes[0].samplesDrawn);

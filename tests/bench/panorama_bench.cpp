@@ -3,6 +3,7 @@
 
 #include "render/renderer.h"
 #include "scene/image_store.h"
+#include "scene/median.h"
 #include "scene/overlap.h"
 #include "scene/project/cube_faces.h"
 #include "scene/refine/redundancy.h"
@@ -69,11 +70,6 @@ double sumOf(const std::vector<StepTime>& times, const char* step) {
     return sum;
 }
 
-double medianOf(std::vector<double> values) {
-    std::nth_element(values.begin(), values.begin() + std::ssize(values) / 2, values.end());
-    return values[values.size() / 2];
-}
-
 /// Shares of the tiles that are rejected, and of the time of warping that it takes to find them, over all directions.
 void cullingAmidPanoramas(benchmark::State& state, Warp warp) {
     static const Device device;
@@ -97,12 +93,12 @@ void cullingAmidPanoramas(benchmark::State& state, Warp warp) {
             warps.push_back(sumOf(stats.gpu, "warp"));
         }
     state.counters["tiles"] = stats.eyes[0].tilesTested;
-    state.counters["rejected_share"] = medianOf(rejected);
+    state.counters["rejected_share"] = scene::medianOf(rejected);
     state.counters["rejected_share_least"] = *std::min_element(rejected.begin(), rejected.end());
     state.counters["rejected_share_most"] = *std::max_element(rejected.begin(), rejected.end());
-    state.counters["cull_ms"] = medianOf(culls);
-    state.counters["warp_ms"] = medianOf(warps);
-    state.counters["cull_of_warp"] = medianOf(culls) / medianOf(warps);
+    state.counters["cull_ms"] = scene::medianOf(culls);
+    state.counters["warp_ms"] = scene::medianOf(warps);
+    state.counters["cull_of_warp"] = scene::medianOf(culls) / scene::medianOf(warps);
 }
 BENCHMARK_CAPTURE(cullingAmidPanoramas, points, Warp::points)->Iterations(5)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(cullingAmidPanoramas, mesh, Warp::mesh)->Iterations(5)->Unit(benchmark::kMillisecond);
