@@ -264,8 +264,8 @@ SyntheticTracer::castTogether(const glm::dvec3& origin, std::span<const glm::dve
     ExactRays exact{{}, origin, directions.data()};
     rtcInitIntersectContext(&exact.context);
     exact.context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-    RTCRayHit8 found{};
-    alignas(32) std::array<int, kTogether> valid{};
+    RTCRayHit16 found{};
+    alignas(64) std::array<int, kTogether> valid{};
     for (std::size_t i = 0; i < directions.size(); ++i) {
         valid[i] = -1;
         found.ray.org_x[i] = static_cast<float>(origin.x), found.ray.org_y[i] = static_cast<float>(origin.y);
@@ -278,7 +278,7 @@ SyntheticTracer::castTogether(const glm::dvec3& origin, std::span<const glm::dve
         found.ray.id[i] = static_cast<unsigned>(i);
         found.hit.geomID[i] = found.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
     }
-    rtcIntersect8(valid.data(), scene_, &exact.context, &found);
+    rtcIntersect16(valid.data(), scene_, &exact.context, &found);
     std::array<std::optional<RayHit>, kTogether> hits;
     for (std::size_t i = 0; i < directions.size(); ++i)
         if (found.hit.geomID[i] != RTC_INVALID_GEOMETRY_ID)

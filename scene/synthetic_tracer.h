@@ -46,7 +46,7 @@ class SyntheticTracer {
     std::optional<RayHit> cast(const glm::dvec3& origin, const glm::dvec3& direction) const;
 
     /// What cast finds along each of up to so many rays from one place, in less time where they lie close together.
-    static constexpr std::size_t kTogether = 8;
+    static constexpr std::size_t kTogether = 16;
     std::array<std::optional<RayHit>, kTogether> castTogether(const glm::dvec3& origin,
                                                               std::span<const glm::dvec3> directions) const;
 

@@ -1,5 +1,7 @@
 #include "scene/align/panorama.h"
 
+#include "scene/align/panorama_places.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -8,6 +10,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <glm/geometric.hpp>
+#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
 namespace scene {
@@ -19,6 +22,7 @@ constexpr double kNearestMetres = 0.05; ///< nearer to the scanner is the scanne
 constexpr int kWindow = 2;              ///< cells to each side that a normal is found from: next to each other,
 constexpr double kWindowMetres = 0.045; ///< or farther apart where the window would be less wide than this to each side
 constexpr int kLeastInWindow = 8;
+constexpr std::size_t kPlacedTogether = 1 << 14; ///< points
 /// Samples in most cells of the coarse panorama, from which on those of the fine one are not left empty.
 constexpr int kDenseSamples = 4;
 /// Samples of one surface in a cell lie this near to each other, metres and relatively.
@@ -26,16 +30,13 @@ constexpr double kSameMetres = 0.03, kSameShare = 0.02;
 /// A window is smooth if its points leave their plane by less, metres and in widths of a cell.
 constexpr double kRoughMetres = 0.012, kRoughWidths = 0.35;
 
-/// std::atan2 to 2e-8 radians, for a quarter of its time: registration asks for little else. The polynomial is 4.4.49
-/// of Abramowitz and Stegun, "Handbook of mathematical functions", 1964. Not for (0, 0).
+/// std::atan2 to 2e-8 radians, for a quarter of its time: registration asks for little else. Not for (0, 0).
 double angleOf(double y, double x) {
-    constexpr std::array kEven{-0.3333314528, 0.1999355085, -0.1420889944, 0.1065626393,
-                               -0.0752896400, 0.0429096138, -0.0161657367, 0.0028662257};
     const double across = std::abs(x), up = std::abs(y), ratio = std::min(across, up) / std::max(across, up),
                  square = ratio * ratio;
     double sum = 0;
-    for (std::size_t i = kEven.size(); i > 0; --i)
-        sum = (sum + kEven[i - 1]) * square;
+    for (std::size_t i = kArcTangent.size(); i > 0; --i)
+        sum = (sum + kArcTangent[i - 1]) * square;
     double angle = ratio * (1 + sum);
     if (up > across) angle = kPi / 2 - angle;
     if (x < 0) angle = kPi - angle;
@@ -97,14 +98,21 @@ Panorama binned(const Scan& scan, int rows) {
     std::vector<std::uint32_t> cellOf(scan.pointsInScanner.size());
     std::vector<std::size_t> first(cellCount + 1, 0);
     constexpr std::uint32_t kNone = UINT32_MAX;
-    for (std::size_t i = 0; i < cellOf.size(); ++i) {
-        const glm::dvec3 p(scan.pointsInScanner[i]);
-        const auto place = panorama.placeOf(p);
-        cellOf[i] = kNone;
-        if (!place || glm::length(p) < kNearestMetres) continue;
-        cellOf[i] = static_cast<std::uint32_t>((*place)[1] * columns + (*place)[0]);
-        ++first[cellOf[i] + 1];
-    }
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, cellOf.size(), kPlacedTogether),
+                      [&](const tbb::blocked_range<std::size_t>& range) {
+                          PanoramaPlaces places;
+                          for (std::size_t i = range.begin(); i < range.end(); ++i)
+                              places.add(scan.pointsInScanner[i]);
+                          places.find(Pose{}, rows);
+                          for (int k = 0; k < places.count(); ++k) {
+                              const bool isSomewhere =
+                                  places.cell(k) >= 0 && glm::length(places.point(k)) >= kNearestMetres;
+                              cellOf[range.begin() + static_cast<std::size_t>(k)] =
+                                  isSomewhere ? static_cast<std::uint32_t>(places.cell(k)) : kNone;
+                          }
+                      });
+    for (const std::uint32_t cell : cellOf)
+        if (cell != kNone) ++first[cell + 1];
     for (std::size_t cell = 0; cell < cellCount; ++cell)
         first[cell + 1] += first[cell];
     std::vector<std::size_t> next(first.begin(), first.end() - 1), sorted(first.back());

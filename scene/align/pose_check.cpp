@@ -1,7 +1,10 @@
 #include "scene/align/pose_check.h"
 
+#include "scene/align/panorama_places.h"
+
 #include <cassert>
 #include <cmath>
+#include <vector>
 
 #include <glm/geometric.hpp>
 
@@ -25,24 +28,31 @@ void compare(const Panorama& from, const Panorama& to, const Pose& toFromFrom, c
              Tally& tally) {
     assert(to.about.size() == to.cells.size());
     const int stride = options.stride * from.finerThanCoarse();
+    PanoramaPlaces places;
+    std::vector<const PanoramaCell*> asked;
     for (int y = 0; y < from.height(); y += stride) {
         const double weight = from.weightOf(y);
+        places.clear(), asked.clear();
         for (int x = 0; x < from.width(); x += stride) {
             const PanoramaCell& cell = from.cells(x, y);
             if (cell.samples == 0 || cell.normal == glm::vec3(0) || isMixed(cell)) continue;
             tally.all += weight;
-            const glm::dvec3 p = toFromFrom * glm::dvec3(cell.point);
-            const auto place = to.placeOf(p);
-            if (!place) continue;
-            const PanoramaAbout& about = to.about((*place)[0], (*place)[1]);
+            places.add(cell.point), asked.push_back(&cell);
+        }
+        places.find(toFromFrom, to.height());
+        for (int i = 0; i < places.count(); ++i) {
+            if (places.cell(i) < 0) continue;
+            const auto at = static_cast<std::size_t>(places.cell(i));
+            const PanoramaAbout& about = to.about.pixels()[at];
             if (!about.isSeen) continue;
+            const glm::dvec3 p = places.point(i);
             const double range = glm::length(p), tolerance = options.toleranceMetres + options.toleranceShare * range;
             if (range < double{about.nearest} - tolerance) {
                 if (about.isWhole) tally.against += weight;
             } else if (range <= double{about.farthest} + tolerance) {
-                const PanoramaCell& seen = to.cells((*place)[0], (*place)[1]);
+                const PanoramaCell& seen = to.cells.pixels()[at];
                 if (seen.normal == glm::vec3(0)) continue;
-                const glm::dvec3 normal = toFromFrom.rotation * glm::dvec3(cell.normal);
+                const glm::dvec3 normal = toFromFrom.rotation * glm::dvec3(asked[static_cast<std::size_t>(i)]->normal);
                 const double off = glm::dot(glm::dvec3(seen.normal), p - glm::dvec3(seen.point));
                 if (glm::dot(glm::dvec3(seen.normal), normal) < kSameNormal || std::abs(off) > tolerance) continue;
                 tally.agreeing += weight;

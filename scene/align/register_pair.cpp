@@ -1,6 +1,7 @@
 #include "scene/align/register_pair.h"
 
 #include "scene/align/joint_surfaces.h"
+#include "scene/align/panorama_places.h"
 
 #include <algorithm>
 #include <cmath>
@@ -33,16 +34,27 @@ bool isAbout(const Pose& rough, const Pose& pose) {
 
 void countMeetings(const ScanView& from, const ScanView& to, const Pose& toFromFrom, double metres, bool isSwapped,
                    std::map<std::pair<std::size_t, std::size_t>, int>& votes) {
-    for (const CellOnPlane& cell : from.cellsOnPlanes) {
-        const glm::dvec3 p = toFromFrom * glm::dvec3(cell.point);
-        const auto place = to.panorama.placeOf(p);
-        const std::int32_t seen = place ? to.planeAt((*place)[0], (*place)[1]) : -1;
+    PanoramaPlaces places;
+    for (const CellOnPlane& cell : from.cellsOnPlanes)
+        places.add(cell.point);
+    places.find(toFromFrom, to.panorama.height());
+    std::vector<glm::dvec3> normals;
+    for (const ScanPlane& plane : from.planes)
+        normals.push_back(toFromFrom.rotation * plane.normal);
+    std::pair<std::size_t, std::size_t> last;
+    int* ofLast = nullptr; // cells beside each other mostly meet the same plane
+    for (int k = 0; k < places.count(); ++k) {
+        const int cell = places.cell(k);
+        const std::int32_t seen = cell >= 0 ? to.planeAt.pixels()[static_cast<std::size_t>(cell)] : -1;
         if (seen < 0) continue;
-        const auto i = static_cast<std::size_t>(cell.plane), j = static_cast<std::size_t>(seen);
+        const auto i = static_cast<std::size_t>(from.cellsOnPlanes[static_cast<std::size_t>(k)].plane),
+                   j = static_cast<std::size_t>(seen);
         const ScanPlane& plane = to.planes[j];
-        if (std::abs(glm::dot(plane.normal, p) - plane.offset) > metres) continue;
-        if (glm::dot(plane.normal, toFromFrom.rotation * from.planes[i].normal) < kFacing) continue;
-        ++votes[isSwapped ? std::pair(j, i) : std::pair(i, j)];
+        if (std::abs(glm::dot(plane.normal, places.point(k)) - plane.offset) > metres) continue;
+        if (glm::dot(plane.normal, normals[i]) < kFacing) continue;
+        const auto pair = isSwapped ? std::pair(j, i) : std::pair(i, j);
+        if (ofLast == nullptr || pair != last) ofLast = &votes[pair], last = pair;
+        ++*ofLast;
     }
 }
 

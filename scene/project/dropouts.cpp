@@ -1,15 +1,14 @@
 #include "scene/project/dropouts.h"
 
-#include "scene/project/disparity_runs.h"
-
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
 #include <cstdint>
-#include <span>
+#include <iterator>
 #include <vector>
 
+#include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 
 namespace scene {
@@ -38,12 +37,6 @@ std::vector<float> likenesses(float colourStep) {
 struct Neighbour {
     int dx, dy;
     float disparity, weight;
-};
-
-/// What sortByDisparity needs, kept from pixel to pixel.
-struct SortBuffers {
-    std::vector<std::uint64_t> keys;
-    std::vector<Neighbour> sorted;
 };
 
 /// Sums for the plane d = a + b dx + c dy through the members of a cluster, by weighted least squares.
@@ -88,34 +81,83 @@ bool isSurrounded(const std::vector<Neighbour>& members) {
     return false;
 }
 
-/// The surface that most about a pixel are of; neighbours must be sorted by disparity.
-std::span<const Neighbour> heaviestCluster(const std::vector<Neighbour>& neighbours, float sameSurface) {
-    return heaviestRun<float>(std::span(neighbours),
-                              [&](const Neighbour& neighbour) { return sameSurface * neighbour.disparity; });
-}
+/// Neighbours of one surface: those whose disparity is between these two.
+struct Cluster {
+    float least = 0, most = 0;
+    int count = 0;
 
-/// Sorted by disparity; like disparities stay in their order, so that sums are the same on every machine. All must be
-/// positive: then their bits, read as integers, are in the order of their values. Integers that hold the place, too,
-/// sort three times as fast as the neighbours themselves.
-void sortByDisparity(std::vector<Neighbour>& neighbours, SortBuffers& buffers) {
-    buffers.keys.clear();
-    for (std::size_t i = 0; i < neighbours.size(); ++i)
-        buffers.keys.push_back(std::uint64_t{std::bit_cast<std::uint32_t>(neighbours[i].disparity)} << 32 | i);
-    std::sort(buffers.keys.begin(), buffers.keys.end());
-    buffers.sorted.clear();
-    for (const std::uint64_t key : buffers.keys)
-        buffers.sorted.push_back(neighbours[key & 0xffffffffu]);
-    neighbours.swap(buffers.sorted);
-}
+    bool has(const Neighbour& n) const { return n.disparity >= least && n.disparity <= most; }
+};
 
-/// Disparity at the centre of the plane through the members of a cluster, sorted. On a plane the pixel may stand out
+/// Finds the heaviest of the clusters that a pixel's neighbours fall into: within one, nobody is farther from the next
+/// than sameSurface times its disparity. Disparities are sorted into bins that are no wider than that, by their upper
+/// bits, and bins alone are put in order: there are many neighbours, and few bins that hold any.
+class ClusterFinder {
+  public:
+    explicit ClusterFinder(float sameSurface) : sameSurface_(sameSurface) {
+        while (perOctave_ < kMostPerOctave && std::ldexp(1.f, -perOctave_) > sameSurface)
+            ++perOctave_;
+        bins_.resize(std::size_t{1} << (kExponentBits + perOctave_));
+    }
+
+    /// All must have a positive disparity.
+    Cluster heaviestOf(const std::vector<Neighbour>& neighbours) {
+        for (const Neighbour& n : neighbours) {
+            const std::uint32_t place = std::bit_cast<std::uint32_t>(n.disparity) >> (kMantissaBits - perOctave_);
+            Bin& bin = bins_[place];
+            if (bin.count == 0) {
+                used_.push_back(place);
+                bin.least = bin.most = n.disparity;
+            }
+            bin.least = std::min(bin.least, n.disparity), bin.most = std::max(bin.most, n.disparity);
+            bin.weight += static_cast<double>(n.weight);
+            ++bin.count;
+        }
+        std::sort(used_.begin(), used_.end());
+        Bin here, best;
+        for (const std::uint32_t place : used_) {
+            Bin& bin = bins_[place];
+            if (here.count == 0 || bin.least - here.most > sameSurface_ * bin.least) here = {bin.least, bin.most, 0, 0};
+            here.most = bin.most, here.weight += bin.weight, here.count += bin.count;
+            if (here.weight > best.weight) best = here;
+            bin = {};
+        }
+        used_.clear();
+        return {best.least, best.most, best.count};
+    }
+
+  private:
+    static constexpr int kExponentBits = 8, kMantissaBits = 23;
+    static constexpr int kMostPerOctave = 12; ///< as a power of two
+
+    struct Bin {
+        float least = 0, most = 0;
+        double weight = 0;
+        int count = 0;
+    };
+
+    float sameSurface_;
+    int perOctave_ = 0; ///< bins, as a power of two
+    std::vector<Bin> bins_;
+    std::vector<std::uint32_t> used_;
+};
+
+/// Disparity at the centre of the plane through the members of a cluster. On a plane the pixel may stand out
 /// from all members a little, as at the image's rim; noise gets no farther.
-float planeAtCentre(std::span<const Neighbour> members) {
+float planeAtCentre(const std::vector<Neighbour>& neighbours, const Cluster& cluster) {
     PlaneSums plane;
-    for (const Neighbour& n : members)
-        plane.add(n);
-    const double least = members.front().disparity, most = members.back().disparity;
+    for (const Neighbour& n : neighbours)
+        if (cluster.has(n)) plane.add(n);
+    const double least = cluster.least, most = cluster.most;
     return static_cast<float>(std::clamp(plane.atCentre(), least - (most - least), most + (most - least)));
+}
+
+/// Disparity of what was measured; 0 elsewhere.
+Image<float> measuredIn(const DepthImage& image) {
+    Image<float> measured = image.disparity;
+    for (std::size_t i = 0; i < measured.size(); ++i)
+        if (!isSurface(image.flags.pixels()[i])) measured.pixels()[i] = 0;
+    return measured;
 }
 
 /// Takes back what hangs in the middle of a gap: one wider than the support is surrounded there and nowhere else, and
@@ -181,25 +223,27 @@ std::int64_t putInto(DepthImage& image, const Image<float>& filled, Flag flag) {
 
 std::int64_t fillDropouts(DepthImage& image, const DropoutOptions& options) {
     const int width = image.camera.width, height = image.camera.height, radius = options.radius;
+    const Image<float> measured = measuredIn(image);
+    tbb::enumerable_thread_specific<ClusterFinder> finders(options.sameSurface);
     Image<float> filled(width, height, 0.f);
     tbb::parallel_for(0, height, [&](int y) {
         std::vector<Neighbour> neighbours, members;
-        SortBuffers buffers;
+        ClusterFinder& finder = finders.local();
         for (int x = 0; x < width; ++x) {
             if ((image.flags(x, y) & kNoSurface) == 0) continue;
             neighbours.clear();
             for (int j = std::max(y - radius, 0); j <= std::min(y + radius, height - 1); ++j)
-                for (int i = std::max(x - radius, 0); i <= std::min(x + radius, width - 1); ++i) {
-                    if (!isSurface(image.flags(i, j)) || image.disparity(i, j) <= 0) continue;
-                    const float weight = supportOf(i - x, radius) * supportOf(j - y, radius);
-                    neighbours.push_back({i - x, j - y, image.disparity(i, j), weight});
-                }
+                for (int i = std::max(x - radius, 0); i <= std::min(x + radius, width - 1); ++i)
+                    if (const float disparity = measured(i, j); disparity > 0)
+                        neighbours.push_back(
+                            {i - x, j - y, disparity, supportOf(i - x, radius) * supportOf(j - y, radius)});
             if (std::ssize(neighbours) < options.minSamples) continue;
-            sortByDisparity(neighbours, buffers);
-            const std::span<const Neighbour> cluster = heaviestCluster(neighbours, options.sameSurface);
-            members.assign(cluster.begin(), cluster.end());
-            if (std::ssize(members) < options.minSamples || !isSurrounded(members)) continue;
-            filled(x, y) = planeAtCentre(members);
+            const Cluster cluster = finder.heaviestOf(neighbours);
+            if (cluster.count < options.minSamples) continue;
+            members.clear();
+            std::copy_if(neighbours.begin(), neighbours.end(), std::back_inserter(members),
+                         [&](const Neighbour& n) { return cluster.has(n); });
+            if (isSurrounded(members)) filled(x, y) = planeAtCentre(members, cluster);
         }
     });
     removeHanging(image, filled);
@@ -211,26 +255,33 @@ std::int64_t guessRange(DepthImage& image, const GuessOptions& options) {
     const int width = image.camera.width, height = image.camera.height, radius = options.radius;
     if (radius <= 0) return 0;
     const std::vector<float> likenessOf = likenesses(options.colourStep);
+    const Image<float> measured = measuredIn(image);
+    tbb::enumerable_thread_specific<ClusterFinder> finders(options.sameSurface);
     Image<float> guessed(width, height, 0.f);
     tbb::parallel_for(0, height, [&](int y) {
         std::vector<Neighbour> neighbours;
-        SortBuffers buffers;
+        ClusterFinder& finder = finders.local();
+        // Of the window's columns or rows about one the first that is in the image.
+        const auto firstWithin = [&](int at) {
+            return -radius + (std::max(radius - at, 0) + options.step - 1) / options.step * options.step;
+        };
         for (int x = 0; x < width; ++x) {
             if ((image.flags(x, y) & kNoSurface) == 0) continue;
             neighbours.clear();
-            for (int dy = -radius; dy <= radius; dy += options.step)
-                for (int dx = -radius; dx <= radius; dx += options.step) {
-                    const int i = x + dx, j = y + dy;
-                    if (i < 0 || j < 0 || i >= width || j >= height) continue;
-                    if (!isSurface(image.flags(i, j)) || image.disparity(i, j) <= 0) continue;
-                    const float likeness = likenessOf[squareOfDifference(image.colour(x, y), image.colour(i, j))];
-                    neighbours.push_back(
-                        {dx, dy, image.disparity(i, j), likeness * supportOf(dx, radius) * supportOf(dy, radius)});
+            const Rgb8 colour = image.colour(x, y);
+            const int lastDx = std::min(radius, width - 1 - x), lastDy = std::min(radius, height - 1 - y);
+            for (int dy = firstWithin(y); dy <= lastDy; dy += options.step) {
+                const float supportOfRow = supportOf(dy, radius);
+                for (int dx = firstWithin(x); dx <= lastDx; dx += options.step) {
+                    const float disparity = measured(x + dx, y + dy);
+                    if (!(disparity > 0)) continue;
+                    const float likeness = likenessOf[squareOfDifference(colour, image.colour(x + dx, y + dy))];
+                    neighbours.push_back({dx, dy, disparity, likeness * supportOf(dx, radius) * supportOfRow});
                 }
+            }
             if (std::ssize(neighbours) < options.minSamples) continue;
-            sortByDisparity(neighbours, buffers);
-            const std::span<const Neighbour> cluster = heaviestCluster(neighbours, options.sameSurface);
-            if (std::ssize(cluster) >= options.minSamples) guessed(x, y) = planeAtCentre(cluster);
+            const Cluster cluster = finder.heaviestOf(neighbours);
+            if (cluster.count >= options.minSamples) guessed(x, y) = planeAtCentre(neighbours, cluster);
         }
     });
     return putInto(image, guessed, [](std::uint8_t flags) { return static_cast<std::uint8_t>(flags | kInterpolated); });

@@ -22,11 +22,13 @@
 #include "scene/synthetic_tracer.h"
 #include "tests/render/test_device.h"
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cmath>
 #include <cstdio>
 #include <memory>
+#include <numeric>
 #include <optional>
 #include <span>
 #include <vector>
@@ -88,20 +90,33 @@ class Truth {
         lowestForAll_ = std::sin(defaults.bottomRadians + kSpacing);
     }
 
-    /// One look at the five rays of each scan answers both questions. first: the scan to ask first, that which saw the
-    /// place beside this one; becomes the one that sees this.
-    Observation observationOf(const glm::dvec3& p, std::size_t& first) const {
-        bool isReached = false;
-        for (std::size_t k = 0; k < place_.scanners.size(); ++k) {
-            const std::size_t scan = (first + k) % place_.scanners.size();
-            const Reach reach = reachOf(place_.scanners[scan].translation, p);
-            if (reach == Reach::all) {
-                first = scan;
-                return Observation::surelyObserved;
+    /// Places that are asked about together; one look at the five rays of a scan to each answers both questions.
+    static constexpr std::size_t kPlaces = scene::SyntheticTracer::kTogether / 5;
+
+    /// first: the scan to ask first, that which saw the places beside these; becomes the one that sees the last.
+    std::array<Observation, kPlaces> observationsOf(std::span<const glm::dvec3> places, std::size_t& first) const {
+        std::array<Observation, kPlaces> found;
+        found.fill(Observation::surelyUnseen);
+        std::array<std::size_t, kPlaces> open{}; ///< indices of those that no scan surely observed
+        std::size_t openCount = places.size();
+        std::iota(open.begin(), open.end(), std::size_t{0});
+        for (std::size_t k = 0, begin = first; k < place_.scanners.size() && openCount > 0; ++k) {
+            const std::size_t scan = (begin + k) % place_.scanners.size();
+            const auto reached = reachOf(place_.scanners[scan].translation, places, {open.data(), openCount});
+            std::size_t still = 0;
+            for (std::size_t i = 0; i < openCount; ++i) {
+                const std::size_t at = open[i];
+                if (reached[i] == Reach::all) {
+                    found[at] = Observation::surelyObserved;
+                    first = scan;
+                } else {
+                    if (reached[i] == Reach::some) found[at] = Observation::unsure;
+                    open[still++] = at;
+                }
             }
-            isReached = isReached || reach == Reach::some;
+            openCount = still;
         }
-        return isReached ? Observation::unsure : Observation::surelyUnseen;
+        return found;
     }
     double spacingAt(const glm::dvec3& p) const {
         double nearest = 1e9;
@@ -122,17 +137,25 @@ class Truth {
     }
     enum class Reach { none, some, all };
 
-    /// All: every ray has an echo, at the point or behind it. None: not one, by the scan's spacing.
-    Reach reachOf(const glm::dvec3& scanner, const glm::dvec3& p) const {
-        const std::array<glm::dvec3, 5> rays = raysAbout(scanner, p);
-        const auto hits = place_.truth.tracer().castTogether(scanner, rays);
-        bool isAny = false, areAll = true;
-        for (std::size_t i = 0; i < rays.size(); ++i) {
-            const double height = rays[i].z / glm::length(rays[i]);
-            isAny = isAny || (hits[i] && height > lowestForAny_ && hits[i]->t > 1 - kSpacing);
-            areAll = areAll && hits[i] && height > lowestForAll_ && hits[i]->t >= 1;
+    /// Of those of the places. All: every ray has an echo, at the place or behind it. None: not one, by the scan's
+    /// spacing.
+    std::array<Reach, kPlaces> reachOf(const glm::dvec3& scanner, std::span<const glm::dvec3> places,
+                                       std::span<const std::size_t> asked) const {
+        std::array<glm::dvec3, 5 * kPlaces> rays;
+        for (std::size_t i = 0; i < asked.size(); ++i)
+            std::ranges::copy(raysAbout(scanner, places[asked[i]]), rays.begin() + static_cast<std::ptrdiff_t>(5 * i));
+        const auto hits = place_.truth.tracer().castTogether(scanner, {rays.data(), 5 * asked.size()});
+        std::array<Reach, kPlaces> reached{};
+        for (std::size_t i = 0; i < asked.size(); ++i) {
+            bool isAny = false, areAll = true;
+            for (std::size_t r = 5 * i; r < 5 * (i + 1); ++r) {
+                const double height = rays[r].z / glm::length(rays[r]);
+                isAny = isAny || (hits[r] && height > lowestForAny_ && hits[r]->t > 1 - kSpacing);
+                areAll = areAll && hits[r] && height > lowestForAll_ && hits[r]->t >= 1;
+            }
+            reached[i] = areAll ? Reach::all : isAny ? Reach::some : Reach::none;
         }
-        return areAll ? Reach::all : isAny ? Reach::some : Reach::none;
+        return reached;
     }
 
     const Place& place_;
@@ -148,14 +171,22 @@ RayTruth judge(const Place& place, const Truth& truth, const glm::dvec3& eye, co
     bool isObserved = true;
     std::size_t scan = 0;
     double t = 0.01;
-    while (t < end) {
-        const glm::dvec3 p = eye + t * unit;
-        const double spacing = truth.spacingAt(p);
-        if (hit && t > end - spacing) break;
-        const Observation observation = truth.observationOf(p, scan);
-        if (observation == Observation::surelyUnseen) return RayTruth::meetsUnseen;
-        isObserved = isObserved && observation == Observation::surelyObserved;
-        t += std::max(2 * spacing, 0.02);
+    for (bool isOver = false; !isOver;) {
+        std::array<glm::dvec3, Truth::kPlaces> next;
+        std::size_t count = 0;
+        while (count < next.size() && !isOver) {
+            const glm::dvec3 p = eye + t * unit;
+            const double spacing = truth.spacingAt(p);
+            isOver = t >= end || (hit && t > end - spacing);
+            if (isOver) break;
+            next[count++] = p;
+            t += std::max(2 * spacing, 0.02);
+        }
+        const auto observations = truth.observationsOf({next.data(), count}, scan);
+        for (std::size_t i = 0; i < count; ++i) {
+            if (observations[i] == Observation::surelyUnseen) return RayTruth::meetsUnseen;
+            isObserved = isObserved && observations[i] == Observation::surelyObserved;
+        }
     }
     // A ray into the sky is never observed to its end, nor does it meet anything surely.
     return isObserved && hit ? RayTruth::observed : RayTruth::between;

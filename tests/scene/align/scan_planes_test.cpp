@@ -1,5 +1,6 @@
 // Panoramas and the planes in them, against places whose walls are known.
 
+#include "scene/align/panorama_places.h"
 #include "scene/align/plane_candidates.h"
 #include "scene/align/scan_planes.h"
 
@@ -7,6 +8,7 @@
 
 #include <algorithm>
 
+#include <glm/gtc/quaternion.hpp>
 #include <gtest/gtest.h>
 
 namespace scene {
@@ -43,6 +45,56 @@ TEST(Panorama, EveryDirectionHasItsCell) {
         ASSERT_LE(std::abs(x - ((*place)[0] + 0.5)), 0.50001) << azimuth << " " << elevation;
         ASSERT_LE(std::abs(y - ((*place)[1] + 0.5)), 0.50001) << azimuth << " " << elevation;
     }
+}
+
+TEST(Panorama, PlacesOfManyPointsAreThoseOfEach) {
+    const std::vector<glm::vec3> special{{0, 0, 0},
+                                         {0, 0, 1},
+                                         {0, 0, -1},
+                                         {1, 0, 0},
+                                         {-1, 0, 0},
+                                         {-1, -0.f, 0},
+                                         {0, 1, 0},
+                                         {0, -1, 0},
+                                         {1e-30f, 0, 1e9f},
+                                         {1e30f, 0, 0},
+                                         {-2, 2, 0},
+                                         {3, 3, 3},
+                                         {std::numeric_limits<float>::quiet_NaN(), 0, 1},
+                                         {0, std::numeric_limits<float>::infinity(), 1}};
+    SeededSequence chance(2);
+    PanoramaPlaces places;
+    int differentCells = 0;
+    for (const int rows : {1, kCoarseRows, kFineRows}) {
+        Panorama panorama;
+        panorama.cells = Image<PanoramaCell>(2 * rows, rows);
+        for (int round = 0; round < 100; ++round) {
+            Pose pose; // of the first round none
+            if (round > 0)
+                pose = {glm::dmat3(glm::angleAxis(
+                            3 * chance.normal(),
+                            glm::normalize(glm::dvec3(chance.normal(), chance.normal(), chance.normal())))),
+                        {chance.normal(), chance.normal(), chance.normal()}};
+            std::vector<glm::vec3> points = special;
+            for (int i = 0; i < 37 * round; ++i)
+                points.emplace_back(5 * chance.normal(), 5 * chance.normal(), 5 * chance.normal());
+            places.clear();
+            for (const glm::vec3& point : points)
+                places.add(point);
+            places.find(pose, rows);
+            ASSERT_EQ(places.count(), static_cast<int>(points.size()));
+            for (int i = 0; i < places.count(); ++i) {
+                const glm::dvec3 p = pose * glm::dvec3(points[static_cast<std::size_t>(i)]);
+                const auto place = panorama.placeOf(p);
+                ASSERT_EQ(places.cell(i), place ? (*place)[1] * 2 * rows + (*place)[0] : -1)
+                    << "point " << i << " of round " << round << ", " << rows << " rows";
+                if (!std::isfinite(p.x + p.y + p.z)) continue;
+                ASSERT_EQ(places.point(i), p) << "point " << i;
+                differentCells += i > 0 && places.cell(i) != places.cell(i - 1);
+            }
+        }
+    }
+    EXPECT_GT(differentCells, 100'000);
 }
 
 TEST(ScanPlanes, WallsOfARoomAreFoundWhereTheyAre) {
