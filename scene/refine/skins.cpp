@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 
 #include <tbb/blocked_range.h>
@@ -19,16 +20,40 @@ float surfaceDisparity(const DepthImage& image, int x, int y) {
     return isDrawable(image.flags(x, y)) ? image.disparity(x, y) : 0;
 }
 
-/// Whether disparity jumps between (x, y) and (x + dx, y + dy): more than planarity, and more than the slopes to both
-/// sides explain. On a plane the second difference is 0; at a crease it is 0 on one side.
-bool jumps(const DepthImage& image, int x, int y, int dx, int dy, float planarity) {
-    const float a = surfaceDisparity(image, x, y), b = surfaceDisparity(image, x + dx, y + dy);
-    const float before = surfaceDisparity(image, x - dx, y - dy),
-                after = surfaceDisparity(image, x + 2 * dx, y + 2 * dy);
-    const float step = b - a, limit = planarity * std::max(a, b);
-    const float slopeBefore = before > 0 ? a - before : 0, slopeAfter = after > 0 ? after - b : 0;
-    return std::abs(step - slopeBefore) > limit && std::abs(step - slopeAfter) > limit;
+/// Whether disparity jumps from a sample to the next in some direction: more than planarity, and more than the slopes
+/// to both sides explain. On a plane the second difference is 0; at a crease it is 0 on one side. 0 is no surface.
+bool jumps(float before, float here, float next, float after, float planarity) {
+    const float step = next - here, limit = planarity * std::max(here, next);
+    const float slopeBefore = before > 0 ? here - before : 0, slopeAfter = after > 0 ? after - next : 0;
+    return (std::abs(step - slopeBefore) > limit) & (std::abs(step - slopeAfter) > limit);
 }
+
+/// Disparities of surfaces, guesses included, with a rim of zeros about the image.
+class PaddedSurface {
+  public:
+    explicit PaddedSurface(const DepthImage& image)
+        : disparity_(image.camera.width + 2 * kRim, image.camera.height + 2 * kRim, 0.f) {
+        for (int y = 0; y < image.camera.height; ++y)
+            for (int x = 0; x < image.camera.width; ++x)
+                disparity_(x + kRim, y + kRim) = isDrawable(image.flags(x, y)) ? image.disparity(x, y) : 0;
+    }
+
+    /// From the row's first sample on; kRim before it and after its last may be read, too, and so many rows.
+    const float* row(int y) const { return &disparity_(kRim, y + kRim); }
+
+    /// For each x up to the width: whether disparity jumps from (x + startX, y) to (x + startX + dx, y + dy).
+    void findJumps(int y, int startX, int dx, int dy, float planarity, std::vector<std::uint8_t>& found) const {
+        const float *before = row(y - dy) + startX - dx, *here = row(y) + startX, *next = row(y + dy) + startX + dx,
+                    *after = row(y + 2 * dy) + startX + 2 * dx;
+        for (std::size_t x = 0; x < found.size(); ++x)
+            found[x] = jumps(before[x], here[x], next[x], after[x], planarity);
+    }
+
+    static constexpr int kRim = 2; ///< what findJumps reads beyond the image
+
+  private:
+    Image<float> disparity_;
+};
 
 /// The three corners of a triangle of the square at (x, y), as offsets.
 using Corners = std::array<std::array<int, 2>, 3>;
@@ -134,20 +159,36 @@ void judgeGuess(std::uint8_t& flags, bool isFloating, bool isMeasured, SkinFigur
 
 Image<std::uint8_t> markPlanarSkins(const DepthImage& image, float planarity, SkinFigures& figures) {
     Image<std::uint8_t> flags = image.flags;
+    const PaddedSurface surface(image);
+    // Of each square: along its upper and lower sides, from its upper right corner to the lower left, and down its
+    // left side; of the right one the next square knows.
+    const auto width = static_cast<std::size_t>(image.camera.width);
+    std::vector<std::uint8_t> upper(width), lower(width), diagonal(width), left(width);
+    surface.findJumps(0, 0, 1, 0, planarity, lower);
     for (int y = 0; y < image.camera.height; ++y) {
         figures.samples += std::count_if(image.flags.row(y).begin(), image.flags.row(y).end(), isSurface);
         if (y + 1 == image.camera.height) break;
-        forTrianglesOfRow(image, y, [&](int x, SampleFlag skin, const Corners&) {
-            ++figures.triangles;
-            const bool diagonal = jumps(image, x + 1, y, -1, 1, planarity);
-            const bool cut =
-                skin == kSkinUpper
-                    ? diagonal || jumps(image, x, y, 1, 0, planarity) || jumps(image, x, y, 0, 1, planarity)
-                    : diagonal || jumps(image, x, y + 1, 1, 0, planarity) || jumps(image, x + 1, y, 0, 1, planarity);
-            if (!cut) return;
-            flags(x, y) = static_cast<std::uint8_t>(flags(x, y) | skin);
-            ++figures.planarSkins;
-        });
+        upper.swap(lower);
+        surface.findJumps(y + 1, 0, 1, 0, planarity, lower);
+        surface.findJumps(y, 1, -1, 1, planarity, diagonal);
+        surface.findJumps(y, 0, 0, 1, planarity, left);
+        const float *here = surface.row(y), *below = surface.row(y + 1);
+        for (std::size_t x = 0; x + 1 < width; ++x) {
+            if (!(here[x + 1] > 0 && below[x] > 0)) continue; // both triangles have these corners
+            std::uint8_t skins = 0;
+            if (here[x] > 0) {
+                ++figures.triangles;
+                if (diagonal[x] | upper[x] | left[x]) skins |= kSkinUpper;
+            }
+            if (below[x + 1] > 0) {
+                ++figures.triangles;
+                if (diagonal[x] | lower[x] | left[x + 1]) skins |= kSkinLower;
+            }
+            if (skins == 0) continue;
+            figures.planarSkins += std::popcount(skins);
+            std::uint8_t& flag = flags(static_cast<int>(x), y);
+            flag = static_cast<std::uint8_t>(flag | skins);
+        }
     }
     return flags;
 }
