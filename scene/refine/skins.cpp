@@ -25,7 +25,7 @@ float surfaceDisparity(const DepthImage& image, int x, int y) {
 bool jumps(float before, float here, float next, float after, float planarity) {
     const float step = next - here, limit = planarity * std::max(here, next);
     const float slopeBefore = before > 0 ? here - before : 0, slopeAfter = after > 0 ? after - next : 0;
-    return (std::abs(step - slopeBefore) > limit) & (std::abs(step - slopeAfter) > limit);
+    return std::min(std::abs(step - slopeBefore), std::abs(step - slopeAfter)) > limit;
 }
 
 /// Disparities of surfaces, guesses included, with a rim of zeros about the image.
