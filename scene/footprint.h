@@ -26,8 +26,8 @@ double sampleWidthInEye(const glm::dmat4& eyeImageFromSourceImage, const SampleB
 /// Jacobian at constant disparity. Infinite behind the eye.
 double sampleAreaInEye(const glm::dmat4& eyeImageFromSourceImage, const SampleBox& box);
 
-/// No splat is smaller, pixels: so every sample reaches the centre of a pixel.
-inline constexpr float kLeastSplat = 0.70710678f;
+/// No splat is smaller, pixels: so every sample reaches the centre of a pixel. Half a pixel's diagonal, rounded up.
+inline constexpr float kLeastSplat = 0.7071068f;
 
 /// Radius, pixels, of the circles that close the holes between the samples of a box, from kLeastSplat to maxRadius.
 /// Nyland et al. 1999, section 5.4: the cube root of the determinant of C's 3 x 3 principal submatrix (the viewport's

@@ -30,6 +30,7 @@ struct EyeDraw {
     uint eye;
     uint levelAndClass;
     int side; // of a sample, pixels
+    int moreRows; // of a splat that covers more than two pixels: its side
     float radius; // of a splat, pixels
     float perRadius2; // 1 / radius^2
 };
@@ -42,6 +43,7 @@ EyeDraw eyeDrawOf(uint eye, TileDraw draw)
     own.levelAndClass = levelAndClassOf(draw);
     own.radius = splatRadiusOf(draw);
     own.side = IS_SPLATS != 0u ? splatSideOf(own.radius) : footprintOf(draw);
+    own.moreRows = coversTwoAtMost(own.radius) ? 0 : own.side;
     precise float perRadius2 = 1.0f / (own.radius * own.radius);
     own.perRadius2 = perRadius2;
     return own;
@@ -70,19 +72,17 @@ void drawPixel(EyeDraw own, int x, int y, vec2 offset, float centre, uint colour
         put(own.eye, y * constants.width + x, packUint2x32(packKey(disparity, colour, own.levelAndClass)));
 }
 
-void drawCircle(EyeDraw own, ivec2 corner, vec3 seen, uint colour)
+void drawCircle(EyeDraw own, ivec2 corner, vec3 seen, uint colour) // as in warp_splats.comp
 {
-    vec2 offset = vec2(corner) + 0.5f - seen.xy;
-    if (own.side == 2) { // as in warp_splats.comp
-        drawPixel(own, corner.x, corner.y, offset, seen.z, colour);
-        drawPixel(own, corner.x + 1, corner.y, offset + vec2(1, 0), seen.z, colour);
-        drawPixel(own, corner.x, corner.y + 1, offset + vec2(0, 1), seen.z, colour);
-        drawPixel(own, corner.x + 1, corner.y + 1, offset + vec2(1, 1), seen.z, colour);
-    } else {
-        for (int y = 0; y < own.side; ++y)
-            for (int x = 0; x < own.side; ++x)
-                drawPixel(own, corner.x + x, corner.y + y, offset + vec2(x, y), seen.z, colour);
-    }
+    ivec2 pixel = ivec2(floor(seen.xy));
+    vec2 offset = vec2(pixel) + 0.5f - seen.xy;
+    ivec2 next = nextOfSplat(offset);
+    drawPixel(own, pixel.x, pixel.y, offset, seen.z, colour);
+    drawPixel(own, pixel.x + next.x, pixel.y + next.y, offset + vec2(next), seen.z, colour);
+    vec2 offsetOfCorner = vec2(corner) + 0.5f - seen.xy;
+    for (int y = 0; y < own.moreRows; ++y)
+        for (int x = 0; x < own.side; ++x)
+            drawPixel(own, corner.x + x, corner.y + y, offsetOfCorner + vec2(x, y), seen.z, colour);
 }
 
 /// Conditions are gathered instead of returned upon: processors run what is behind a return all the same, and slower.

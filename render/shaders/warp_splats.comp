@@ -35,7 +35,7 @@ void main()
     uint levelAndClass = levelAndClassOf(draw);
     // Alike for all samples of the tile: no invocation waits for another's wider circle.
     float radius = splatRadiusOf(draw);
-    int side = splatSideOf(radius);
+    int side = splatSideOf(radius), moreRows = coversTwoAtMost(radius) ? 0 : side;
     precise float perRadius2 = 1.0f / (radius * radius);
     float width = float(constants.width), height = float(constants.height);
     for (uint i = gl_LocalInvocationID.x; i < draw.span.z; i += gl_WorkGroupSize.x) {
@@ -50,17 +50,16 @@ void main()
         float left = firstOfSplat(seen.x, radius), top = firstOfSplat(seen.y, radius);
         // Compared as floats: far outside, the conversion to int is undefined.
         if (!(left > -float(side) && left < width && top > -float(side) && top < height)) continue;
-        int x0 = int(left), y0 = int(top);
-        vec2 offset = vec2(x0, y0) + 0.5f - seen.xy;
-        if (side == 2) { // what is as dense as the screen: straight on, since loops cost more than what is in them
-            drawPixel(x0, y0, offset, seen.z, perRadius2, vertex.y, levelAndClass);
-            drawPixel(x0 + 1, y0, offset + vec2(1, 0), seen.z, perRadius2, vertex.y, levelAndClass);
-            drawPixel(x0, y0 + 1, offset + vec2(0, 1), seen.z, perRadius2, vertex.y, levelAndClass);
-            drawPixel(x0 + 1, y0 + 1, offset + vec2(1, 1), seen.z, perRadius2, vertex.y, levelAndClass);
-            continue;
-        }
-        for (int y = 0; y < side; ++y)
+        // Straight on, since loops cost more than what is in them: most splats cover no more.
+        ivec2 own = ivec2(floor(seen.xy));
+        vec2 offset = vec2(own) + 0.5f - seen.xy;
+        ivec2 next = nextOfSplat(offset);
+        drawPixel(own.x, own.y, offset, seen.z, perRadius2, vertex.y, levelAndClass);
+        drawPixel(own.x + next.x, own.y + next.y, offset + vec2(next), seen.z, perRadius2, vertex.y, levelAndClass);
+        ivec2 first = ivec2(left, top);
+        vec2 offsetOfFirst = vec2(first) + 0.5f - seen.xy;
+        for (int y = 0; y < moreRows; ++y)
             for (int x = 0; x < side; ++x)
-                drawPixel(x0 + x, y0 + y, offset + vec2(x, y), seen.z, perRadius2, vertex.y, levelAndClass);
+                drawPixel(first.x + x, first.y + y, offsetOfFirst + vec2(x, y), seen.z, perRadius2, vertex.y, levelAndClass);
     }
 }

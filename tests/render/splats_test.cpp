@@ -6,8 +6,10 @@
 #include "tests/render/test_device.h"
 #include "tests/render/test_scenes.h"
 
+#include <algorithm>
 #include <cmath>
 #include <random>
+#include <vector>
 
 namespace render {
 namespace {
@@ -61,6 +63,42 @@ TEST(SplatMath, EveryPixelOfASplatIsAmongThoseItsSideTakes) {
             ASSERT_TRUE(std::abs(static_cast<float>(x) + 0.5f - position) > radius - 1e-5f || (x >= first && x < end))
                 << x << " of " << position << " +- " << radius;
     }
+}
+
+TEST(SplatMath, TheLeastSplatCoversItsPixelAndOneBesideItAtMost) {
+    const float radius = scene::kLeastSplat, perRadius2 = 1 / (radius * radius);
+    ASSERT_TRUE(coversTwoAtMost(radius));
+    EXPECT_FALSE(coversTwoAtMost(radius * 1.0001f));
+    std::mt19937 random(4);
+    std::uniform_real_distribution<float> anywhere(-3, 700);
+    const std::vector<float> special{0, 0.25f, 0.5f, 0.75f, 0.49999997f, 0.0001f, 0.9999f};
+    int beside = 0, corners = 0;
+    const auto expectTwo = [&](const vec2& position) {
+        const ivec2 own(floor(position));
+        const vec2 offset = vec2(own) + 0.5f - position;
+        const ivec2 next = nextOfSplat(offset);
+        ASSERT_EQ(std::abs(next.x) + std::abs(next.y), 1);
+        ASSERT_GE(splatDisparity(1, offset, perRadius2), 0) << "its own, at " << position.x << ", " << position.y;
+        for (int y = -2; y <= 2; ++y)
+            for (int x = -2; x <= 2; ++x) {
+                const ivec2 step(x, y);
+                if (step == ivec2(0) || splatDisparity(1, offset + vec2(step), perRadius2) < 0) continue;
+                if (std::min(std::abs(offset.x), std::abs(offset.y)) > 0.499f) {
+                    ++corners; // where four meet any two will do
+                } else {
+                    ASSERT_EQ(step, next) << position.x << ", " << position.y << " covers " << x << ", " << y;
+                    ++beside;
+                }
+            }
+    };
+    for (int i = 0; i < 200'000; ++i)
+        ASSERT_NO_FATAL_FAILURE(expectTwo({anywhere(random), anywhere(random)}));
+    for (const float x : special)
+        for (const float y : special)
+            for (const float whole : {0.f, 3.f, 511.f})
+                ASSERT_NO_FATAL_FAILURE(expectTwo({whole + x, whole + y}));
+    EXPECT_GT(beside, 100'000) << "57 of a hundred";
+    EXPECT_GT(corners, 0);
 }
 
 TEST_F(SplatsTest, PicturesAreThoseOfTheProcessor) {

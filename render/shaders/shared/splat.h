@@ -24,6 +24,21 @@ SHARED_FUNCTION float firstOfSplat(float position, float radius) {
     return first;
 }
 
+/// Whether splats cover the pixel that they stand in and one beside it at most. With a centre a and b off its pixel's,
+/// the squares of the distances to the next one across and to the next one along add up to 1 at least; within a
+/// thousandth of a pixel of where four meet, one of them is left out. scene/warp_splats.cpp has the same.
+SHARED_CONSTANT float kTwoPixels = 0.5000002f; ///< square of the radius: the least one's (scene/footprint.h), rounded
+SHARED_FUNCTION bool coversTwoAtMost(float radius) {
+    PRECISE float square = radius * radius;
+    return square <= kTwoPixels;
+}
+/// The steps to that one beside. offset: from the splat's centre to that of the pixel it stands in.
+SHARED_FUNCTION ivec2 nextOfSplat(vec2 offset) {
+    bool isAcross = abs(offset.x) >= abs(offset.y);
+    int across = offset.x < 0.0f ? 1 : -1, along = offset.y < 0.0f ? 1 : -1;
+    return ivec2(isAcross ? across : 0, isAcross ? 0 : along);
+}
+
 /// The disparity of a splat at an offset from its centre, pixels; negative outside of it. perRadius2: 1 / radius^2.
 SHARED_FUNCTION float splatDisparity(float disparity, vec2 offset, float perRadius2) {
     PRECISE float share = (offset.x * offset.x + offset.y * offset.y) * perRadius2;
