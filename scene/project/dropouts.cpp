@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cassert>
 #include <cmath>
 #include <cstdint>
 #include <iterator>
@@ -94,7 +95,9 @@ struct Cluster {
 /// bits, and bins alone are put in order: there are many neighbours, and few bins that hold any.
 class ClusterFinder {
   public:
+    /// sameSurface: 1/4096 at least.
     explicit ClusterFinder(float sameSurface) : sameSurface_(sameSurface) {
+        assert(sameSurface * (1 << kMostPerOctave) >= 1);
         while (perOctave_ < kMostPerOctave && std::ldexp(1.f, -perOctave_) > sameSurface)
             ++perOctave_;
         bins_.resize(std::size_t{1} << (kExponentBits + perOctave_));
