@@ -22,7 +22,7 @@ namespace {
 using nlohmann::json;
 
 /// Changed whenever what a stage computes changes, so that results of older versions are not taken for new ones.
-constexpr int kImportVersion = 3;
+constexpr int kImportVersion = 4;
 
 json describe(const scene::Pose& pose) {
     json numbers = json::array();
