@@ -25,6 +25,8 @@ namespace {
 
 constexpr std::size_t kDrawsPerTask = 512;
 
+static_assert(kRowPlaceBits == scene::kPlaceBits);
+
 constexpr double kRounding = 1 + 1e-4; ///< what single precision may make of a measure
 
 constexpr double kAnywhere = std::numeric_limits<double>::infinity();
@@ -225,17 +227,17 @@ TileDraw tileDrawOf(const glm::dmat4& c, const ResidentTile& tile, int orderLeve
     return draw;
 }
 
-std::vector<SourceView> sourceViewsOf(std::span<const ResidentImage> images, const scene::View& eye,
-                                      const Quality& quality, std::span<const ImageSphere> spheres, double marginPixels,
-                                      std::span<const float> shares) {
+void findSourceViews(std::span<const ResidentImage> images, const scene::View& eye, const Quality& quality,
+                     std::span<const ImageSphere> spheres, double marginPixels, std::span<const float> shares,
+                     std::vector<SourceView>& views) {
     std::vector<std::uint8_t> isOut(spheres.size(), 0);
     const ViewWedge wedge = wedgeOf(eye, marginPixels);
     for (std::size_t i = 0; i < spheres.size(); ++i)
         isOut[i] = isOutside(wedge, spheres[i]) ? 1 : 0;
-    std::vector<SourceView> views(images.size());
+    views.resize(images.size());
     for (std::size_t i = 0; i < images.size(); ++i) {
         const ResidentImage& image = images[i];
-        SourceView& view = views[i];
+        SourceView& view = views[i] = {};
         view.captured = image.captured, view.level = image.level, view.hasCoarser = image.hasCoarser;
         if (!shares.empty()) view.share = shares[image.captured];
         view.isOut = view.share <= 0 || (!spheres.empty() && isOut[image.captured] != 0);
@@ -246,7 +248,6 @@ std::vector<SourceView> sourceViewsOf(std::span<const ResidentImage> images, con
         view.isNear = glm::length(view.eyeFromCamera) <=
                       2 * static_cast<double>(quality.preference.nearBaseline) * image.middleReach;
     }
-    return views;
 }
 
 void chooseDraws(const SceneIndex& scene, std::span<const ChunkPlace> places, std::span<const SourceView> sources,
@@ -307,6 +308,7 @@ void chooseDraws(const SceneIndex& scene, std::span<const ChunkPlace> places, st
     list.chosen.resize(kDrawsPerTile * scene.tiles.size());
     list.counts.assign(pieces.size(), 0);
     tbb::parallel_for(std::size_t{0}, pieces.size(), [&](std::size_t p) {
+        if (visible.counts[p] == 0) return;
         const TilePiece& piece = pieces[p];
         const SourceView& source = sources[piece.image];
         if (!isDetailed && !mayStandIn && source.level > 0) return;
@@ -314,9 +316,8 @@ void chooseDraws(const SceneIndex& scene, std::span<const ChunkPlace> places, st
             !scene::mayBeNear(glm::length(source.eyeFromCamera), piece.reachMetres, quality.preference))
             return;
         // All of a piece may be too fine, or too coarse. A piece's tiles are alike in what samplePixelsOf asks.
-        if (isDetailed && visible.counts[p] > 0 &&
-            !detailOf(source, piece.box, samplePixelsOf(source, scene.tiles[piece.first]),
-                      source.level == 0 || mayStandIn))
+        if (isDetailed && !detailOf(source, piece.box, samplePixelsOf(source, scene.tiles[piece.first]),
+                                    source.level == 0 || mayStandIn))
             return;
         const auto add = [&](const DrawList::Chosen& chosen) {
             list.chosen[kDrawsPerTile * piece.first + list.counts[p]++] = chosen;

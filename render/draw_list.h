@@ -27,9 +27,16 @@ struct SourceView {
 /// spheres: of the captured images, to pass over those that lie beside the eye's picture or behind it (as far outside
 /// as marginPixels counts as within); or none. shares: of the captured images' samples, as many as are drawn; or none:
 /// all.
-std::vector<SourceView> sourceViewsOf(std::span<const ResidentImage> images, const scene::View& eye,
-                                      const Quality& quality, std::span<const ImageSphere> spheres = {},
-                                      double marginPixels = 0, std::span<const float> shares = {});
+/// Into views, whose memory is used again: of a large site it is megabytes.
+void findSourceViews(std::span<const ResidentImage> images, const scene::View& eye, const Quality& quality,
+                     std::span<const ImageSphere> spheres, double marginPixels, std::span<const float> shares,
+                     std::vector<SourceView>& views);
+inline std::vector<SourceView> sourceViewsOf(std::span<const ResidentImage> images, const scene::View& eye,
+                                             const Quality& quality) {
+    std::vector<SourceView> views;
+    findSourceViews(images, eye, quality, {}, 0, {}, views);
+    return views;
+}
 
 /// Consecutive draws from one page by one shader.
 struct DrawRun {

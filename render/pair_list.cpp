@@ -35,13 +35,13 @@ void findPairs(const SceneIndex& scene, const DrawList& left, const DrawList& ri
         std::uint32_t& other = list.rightOfTile[chosen.tile];
         const bool isShared = other != kNoDraw && chosenOf(right, other).batch == chosen.batch &&
                               chosenOf(right, other).warp == chosen.warp;
-        add({i, isShared ? other : kNoDraw, 0}, chosen);
+        add({i, isShared ? other : kNoDraw, 0, kAllRows, kAllRows}, chosen);
         if (isShared) other = kNoDraw;
     }
     for (std::uint32_t i = 0; i < right.tiles; ++i) {
         const DrawList::Chosen& chosen = chosenOf(right, i);
         std::uint32_t& rest = list.rightOfTile[chosen.tile];
-        if (rest != kNoDraw) add({kNoDraw, i, 0}, chosen);
+        if (rest != kNoDraw) add({kNoDraw, i, 0, kAllRows, kAllRows}, chosen);
         rest = kNoDraw;
     }
 }

@@ -228,7 +228,7 @@ void Renderer::choose(Eye& eye, const scene::View& given, const Quality& quality
     const scene::View view{scene::resized(given.camera, eye.warpWidth, eye.warpHeight), given.worldFromEye};
     timed(eye.times, "cull", index, [&] {
         const double margin = marginOf(quality, scene_);
-        eye.sources = sourceViewsOf(scene_.images(), view, quality, scene_.index().spheres, margin, scene_.shares());
+        findSourceViews(scene_.images(), view, quality, scene_.index().spheres, margin, scene_.shares(), eye.sources);
         eye.planes.resize(eye.sources.size());
         for (std::size_t i = 0; i < eye.sources.size(); ++i)
             if (eye.sources[i].isOut)

@@ -13,30 +13,37 @@ namespace render {
 
 namespace {
 
-constexpr std::array kEyeBindings{Binding::storage, Binding::storage, Binding::storage,
-                                  Binding::storage, Binding::texels,  Binding::storage,
-                                  Binding::storage, Binding::storage, Binding::storage};
+constexpr std::array kEyeBindings{Binding::storage, Binding::storage, Binding::storage, Binding::storage,
+                                  Binding::texels,  Binding::storage, Binding::storage, Binding::storage,
+                                  Binding::storage, Binding::texels,  Binding::texels};
 
 static_assert(std::count(kEyeBindings.begin(), kEyeBindings.end(), Binding::storage) == kEyeStorageBuffers);
 
-constexpr std::uint32_t kDrawsBinding = 0, kPassedBinding = 7;
+constexpr std::uint32_t kDrawsBinding = 0, kPassedBinding = 7, kDrawTexelsBinding = 10;
+constexpr std::size_t kDrawTexels = sizeof(TileDraw) / 16;
 constexpr std::size_t kFirstDraws = 4096;
+
+void requireTexels(const Device& device, std::size_t texels, const std::string& what, const std::string& remedy) {
+    if (texels <= device.limits().maxTexelBufferElements) return;
+    throw scene::Failure(what + " takes " + std::to_string(texels) + " texels, more than the " +
+                             std::to_string(device.limits().maxTexelBufferElements) + " a shader can read",
+                         device.name(), remedy);
+}
 
 void makeDrawBuffers(const Device& device, EyeTarget& target, std::size_t most) {
     const std::size_t bytes = most * sizeof(TileDraw);
-    requireRange(device, bytes, "the list of tiles",
-                 "let wider samples stand for finer ones: --warp points --sample-pixels 2");
-    for (Buffer& draws : target.draws)
-        draws = Buffer(device, bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, MemoryUse::hostWrites);
-    target.passed = Buffer(device, bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, MemoryUse::onDevice);
+    const std::string remedy = "let wider samples stand for finer ones: --warp points --sample-pixels 2";
+    requireRange(device, bytes, "the list of tiles", remedy);
+    requireTexels(device, most * kDrawTexels, "the list of tiles", remedy);
+    constexpr VkBufferUsageFlags kStorage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
+                                 kTexels = kStorage | VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT;
+    for (std::size_t frame = 0; frame < kFramesInFlight; ++frame) {
+        target.drawTexels[frame] = {};
+        target.draws[frame] = Buffer(device, bytes, kTexels, MemoryUse::hostWrites);
+        target.drawTexels[frame] = makeTexelView(device, target.draws[frame], VK_FORMAT_R32G32B32A32_UINT);
+    }
+    target.passed = Buffer(device, most * sizeof(PassedDraw), kStorage, MemoryUse::onDevice);
     target.mostDraws = most;
-}
-
-void requireTexels(const Device& device, std::size_t texels) {
-    if (texels <= device.limits().maxTexelBufferElements) return;
-    throw scene::Failure("the image has " + std::to_string(texels) + " pixels, more than the " +
-                             std::to_string(device.limits().maxTexelBufferElements) + " a shader can read",
-                         device.name(), "choose a smaller image");
 }
 
 } // namespace
@@ -55,7 +62,7 @@ VkDescriptorSetLayout makeEyeLayout(const Device& device) {
 EyeTarget makeEyeTarget(const Device& device, VkDescriptorSetLayout eyeLayout, int width, int height) {
     const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
     requireRange(device, pixels * sizeof(std::uint64_t), "the z-buffer", "choose a smaller image");
-    requireTexels(device, pixels);
+    requireTexels(device, pixels, "the z-buffer", "choose a smaller image");
 
     constexpr VkBufferUsageFlags kStorage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
                                  kTexels = kStorage | VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT;
@@ -69,13 +76,15 @@ EyeTarget makeEyeTarget(const Device& device, VkDescriptorSetLayout eyeLayout, i
     target.holes = Buffer(device, holes * sizeof(std::uint32_t), kStorage, MemoryUse::onDevice);
     target.zTexels = makeTexelView(device, target.zBuffer);
     const auto occluders = static_cast<std::size_t>(occludersAlong(width) * occludersAlong(height));
-    target.occluders = Buffer(device, occluders * sizeof(std::uint32_t), kStorage, MemoryUse::onDevice);
+    target.occluders = Buffer(device, occluders * sizeof(Occluder), kTexels, MemoryUse::onDevice);
+    target.occluderTexels = makeTexelView(device, target.occluders, VK_FORMAT_R32G32B32A32_UINT);
     target.passedRuns =
         Buffer(device, kMostTestedRuns * sizeof(PassedRun),
                kStorage | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT, MemoryUse::onDevice);
-    target.pool = makeSetPool(device, kFramesInFlight + 1, kEyeBindings);
+    target.pool = makeSetPool(device, kFramesInFlight, kEyeBindings);
     makeDrawBuffers(device, target, kFirstDraws);
-    const auto makeSet = [&](const Buffer& draws) {
+    for (std::size_t frame = 0; frame < kFramesInFlight; ++frame) {
+        const Buffer& draws = target.draws[frame];
         const std::array<Bound, kEyeBindings.size()> bound{{{draws.handle()},
                                                             {target.zBuffer.handle()},
                                                             {target.colours.handle()},
@@ -84,23 +93,22 @@ EyeTarget makeEyeTarget(const Device& device, VkDescriptorSetLayout eyeLayout, i
                                                             {target.holes.handle()},
                                                             {target.occluders.handle()},
                                                             {target.passed.handle()},
-                                                            {target.passedRuns.handle()}}};
-        return allocateSet(device, target.pool, eyeLayout, bound);
-    };
-    target.passedSet = makeSet(target.passed);
-    for (std::size_t frame = 0; frame < kFramesInFlight; ++frame)
-        target.sets[frame] = makeSet(target.draws[frame]);
+                                                            {target.passedRuns.handle()},
+                                                            {target.occluders.handle(), target.occluderTexels},
+                                                            {draws.handle(), target.drawTexels[frame]}}};
+        target.sets[frame] = allocateSet(device, target.pool, eyeLayout, bound);
+    }
     return target;
 }
 
 void makeRoomForDraws(const Device& device, EyeTarget& target, std::size_t draws) {
     if (draws <= target.mostDraws) return;
     makeDrawBuffers(device, target, draws + draws / 2); // so that it is not done again and again
-    rebind(device, target.passedSet, kDrawsBinding, {target.passed.handle()});
-    rebind(device, target.passedSet, kPassedBinding, {target.passed.handle()});
     for (std::size_t frame = 0; frame < kFramesInFlight; ++frame) {
         rebind(device, target.sets[frame], kDrawsBinding, {target.draws[frame].handle()});
         rebind(device, target.sets[frame], kPassedBinding, {target.passed.handle()});
+        rebind(device, target.sets[frame], kDrawTexelsBinding,
+               {target.draws[frame].handle(), target.drawTexels[frame]});
     }
 }
 

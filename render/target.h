@@ -15,7 +15,7 @@ inline constexpr int kFramesInFlight = 2;
 
 /// The layout of an eye's set: 0 draws, 1 z-buffer, 2 colours, 3 depths, 4 z-buffer as texels, to be read, 5 holes
 /// (shaders/shared/hole_words.h); 6 the nearest that each block hides, 7 draws that passed a test against that, 8 how
-/// many of each run.
+/// many of each run; 9 what blocks hide and 10 draws as texels, to be read.
 VkDescriptorSetLayout makeEyeLayout(const Device& device);
 inline constexpr std::uint32_t kEyeStorageBuffers = 8; ///< of them: all but the texels
 
@@ -27,12 +27,13 @@ struct EyeTarget {
     Buffer depths;  ///< metres along z as float per pixel; mapped
     Buffer holes;   ///< which pixels hold anything, and a list for each row (shaders/shared/hole_words.h)
     BufferView zTexels;
-    Buffer occluders, passed, passedRuns;      ///< see shaders/shared/occlusion.h
+    Buffer occluders, passed, passedRuns; ///< see shaders/shared/occlusion.h
+    BufferView occluderTexels;
     std::array<Buffer, kFramesInFlight> draws; ///< TileDraw; mapped
-    std::size_t mostDraws = 0;                 ///< that there is room for
+    std::array<BufferView, kFramesInFlight> drawTexels;
+    std::size_t mostDraws = 0; ///< that there is room for
     DescriptorPool pool;
     std::array<VkDescriptorSet, kFramesInFlight> sets{};
-    VkDescriptorSet passedSet = VK_NULL_HANDLE; ///< with what has passed as its draws
 };
 
 /// Runs whose draws can be tested in one batch.

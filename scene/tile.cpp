@@ -32,7 +32,8 @@ struct Place {
 };
 
 /// Collects one tile: kept samples first, then the border its triangles need. part.eachSample(visit),
-/// part.eachSquare(visit): call visit(x, y) for what may belong to the tile, row by row, counted from the cut's first.
+/// part.eachSquare(visit): call visit(x, y) for what may belong to the tile, counted from the cut's first. But for
+/// scraps row by row: renderers pass over rows.
 template <class Part>
 class TileCutter {
   public:

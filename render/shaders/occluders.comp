@@ -1,13 +1,14 @@
 #version 460
-// The least order disparity in each block of the z-buffer (shared/occlusion.h). One invocation a block.
+// What each block of the z-buffer hides (shared/occlusion.h). One invocation a block.
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
 
 #include "render/shaders/shared/occlusion.h"
 
 layout(local_size_x_id = 0) in;
 
 layout(set = 0, binding = 4) uniform usamplerBuffer zTexels;
-layout(std430, set = 0, binding = 6) buffer Occluders { uint leastDisparity[]; };
+layout(std430, set = 0, binding = 6) buffer Occluders { Occluder occluders[]; };
 layout(push_constant) uniform Constants { OccluderConstants constants; };
 
 /// Beyond the image its rim goes on.
@@ -21,32 +22,47 @@ const int kRowReach = kOccluderSide + 2; // a row of a block, and the pixels bes
 
 void readRow(int x, int y, out uint row[kRowReach])
 {
-    for (int i = 0; i < kRowReach; ++i) row[i] = disparityAt(x - 1 + i, y);
+    [[unroll]] for (int i = 0; i < kRowReach; ++i) row[i] = disparityAt(x - 1 + i, y);
 }
 
-uint leastOf(ivec2 first)
+const uint kMost = 0xffffffffu;
+
+Occluder withPixel(Occluder occluder, int x, int y, uint disparity)
 {
-    uint least = 0xffffffffu;
-    for (int y = 0; y < kOccluderSide && least > 0u; ++y)
-        for (int x = 0; x < kOccluderSide; ++x) least = min(least, disparityAt(first.x + x, first.y + y));
-    return least;
+    uint bit = disparity == 0u ? 1u << uint(kOccluderSide * (y & 3) + x) : 0u;
+    if (y < 4)
+        occluder.openAbove |= bit;
+    else
+        occluder.openBelow |= bit;
+    occluder.leastHeld = min(occluder.leastHeld, disparity == 0u ? kMost : disparity);
+    return occluder;
 }
 
-uint leastOfClosed(ivec2 first)
+Occluder occluderOf(ivec2 first)
 {
-    uint least = 0xffffffffu;
+    Occluder occluder = Occluder(kMost, 0u, 0u, kMost);
+    for (int y = 0; y < kOccluderSide; ++y)
+        for (int x = 0; x < kOccluderSide; ++x)
+            occluder = withPixel(occluder, x, y, disparityAt(first.x + x, first.y + y));
+    return occluder;
+}
+
+Occluder occluderOfClosed(ivec2 first)
+{
+    Occluder occluder = Occluder(kMost, 0u, 0u, kMost);
     uint above[kRowReach], here[kRowReach], below[kRowReach];
     readRow(first.x, first.y - 1, above);
     readRow(first.x, first.y, here);
-    for (int y = 1; y <= kOccluderSide && least > 0u; ++y) {
-        readRow(first.x, first.y + y, below);
-        for (int x = 1; x <= kOccluderSide; ++x)
-            least = min(least, closedDisparity(here[x], uvec2(here[x - 1], here[x + 1]), uvec2(above[x], below[x]),
-                                               uvec2(above[x - 1], below[x + 1]), uvec2(above[x + 1], below[x - 1])));
+    [[unroll]] for (int y = 0; y < kOccluderSide; ++y) {
+        readRow(first.x, first.y + y + 1, below);
+        [[unroll]] for (int x = 1; x <= kOccluderSide; ++x)
+            occluder = withPixel(occluder, x - 1, y,
+                                 closedDisparity(here[x], uvec2(here[x - 1], here[x + 1]), uvec2(above[x], below[x]),
+                                                 uvec2(above[x - 1], below[x + 1]), uvec2(above[x + 1], below[x - 1])));
         above = here;
         here = below;
     }
-    return least;
+    return occluder;
 }
 
 void main()
@@ -54,8 +70,14 @@ void main()
     int across = occludersAlong(constants.width), row = int(gl_WorkGroupID.x);
     for (int column = int(gl_LocalInvocationID.x); column < across; column += int(gl_WorkGroupSize.x)) {
         int block = row * across + column;
-        if (constants.isAgain != 0 && leastDisparity[block] > 0u) continue;
+        if (constants.isAgain != 0 && (occluders[block].openAbove | occluders[block].openBelow) == 0u) continue;
         ivec2 first = ivec2(column, row) * kOccluderSide;
-        leastDisparity[block] = constants.closesGaps != 0 ? leastOfClosed(first) : leastOf(first);
+        Occluder occluder;
+        if (constants.closesGaps != 0)
+            occluder = occluderOfClosed(first);
+        else
+            occluder = occluderOf(first);
+        occluder.least = (occluder.openAbove | occluder.openBelow) != 0u ? 0u : occluder.leastHeld;
+        occluders[block] = occluder;
     }
 }

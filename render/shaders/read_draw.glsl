@@ -16,6 +16,15 @@ const uint kDrawWords = 28u; // tile_draw.h asserts that they are 112 bytes
     uvec4(subgroupBroadcast(word, first), subgroupBroadcast(word, (first) + 1u), subgroupBroadcast(word, (first) + 2u), \
           subgroupBroadcast(word, (first) + 3u))
 
+layout(std430, set = 1, binding = 7) readonly buffer Passed { PassedDraw passed[]; };
+
+/// Which draw is this workgroup's, and which of its rows.
+PassedDraw drawOf(uint firstDraw, uint workgroup)
+{
+    if ((firstDraw & kAmongPassed) != 0u) return passed[(firstDraw & ~kAmongPassed) + workgroup];
+    return PassedDraw(firstDraw + workgroup, kAllRows);
+}
+
 TileDraw readDraw(uint number)
 {
     if (SHARES_READING == 0u) return draws[number];

@@ -7,6 +7,7 @@
 #extension GL_EXT_shader_atomic_int64 : require
 
 #include "render/shaders/shared/detail.h"
+#include "render/shaders/shared/occlusion.h"
 #include "render/shaders/shared/splat.h"
 #include "render/shaders/shared/stereo.h"
 #include "render/shaders/shared/z_key.h"
@@ -19,15 +20,16 @@ layout(std430, set = 1, binding = 0) readonly buffer LeftDraws { TileDraw leftDr
 layout(std430, set = 1, binding = 1) buffer LeftZBuffer { uint64_t leftZBuffer[]; };
 layout(std430, set = 2, binding = 0) readonly buffer RightDraws { TileDraw rightDraws[]; };
 layout(std430, set = 2, binding = 1) buffer RightZBuffer { uint64_t rightZBuffer[]; };
+layout(set = 1, binding = 9) uniform usamplerBuffer leftOccluders;
+layout(set = 2, binding = 9) uniform usamplerBuffer rightOccluders;
 layout(std430, set = 3, binding = 0) readonly buffer Pairs { PairDraw pairs[]; };
 layout(push_constant) uniform Constants { WarpConstants constants; };
-
-const uint kLeft = 0u, kRight = 1u;
 
 /// How an eye draws the tile: alike for all of its samples.
 struct EyeDraw {
     TileDraw draw;
     uint eye;
+    vec2 rows; // first and end of those that it draws
     uint levelAndClass;
     int side; // of a sample, pixels
     int moreRows; // of a splat that covers more than two pixels: its side
@@ -35,11 +37,12 @@ struct EyeDraw {
     float perRadius2; // 1 / radius^2
 };
 
-EyeDraw eyeDrawOf(uint eye, TileDraw draw)
+EyeDraw eyeDrawOf(uint eye, TileDraw draw, uint rows)
 {
     EyeDraw own;
     own.draw = draw;
     own.eye = eye;
+    own.rows = vec2(float(int(rows & 0xffu)), float(int(rows >> 8)));
     own.levelAndClass = levelAndClassOf(draw);
     own.radius = splatRadiusOf(draw);
     own.side = IS_SPLATS != 0u ? splatSideOf(own.radius) : footprintOf(draw);
@@ -56,6 +59,13 @@ void put(uint eye, int pixel, uint64_t key)
     else
         atomicMax(rightZBuffer[pixel], key);
 }
+
+uint leastAt(uint eye, int block)
+{
+    return eye == kLeft ? texelFetch(leftOccluders, block).x : texelFetch(rightOccluders, block).x;
+}
+
+#include "render/shaders/hidden.glsl"
 
 void drawSquare(EyeDraw own, ivec2 corner, uint64_t key)
 {
@@ -89,7 +99,7 @@ void drawCircle(EyeDraw own, ivec2 corner, vec3 seen, uint colour) // as in warp
 void drawSample(EyeDraw own, vec3 at, vec3 chances, uint colour)
 {
     vec4 h = warpPlace(own.draw, at);
-    bool isShown = isBeforeEye(h);
+    bool isShown = isBeforeEye(h) && at.y >= own.rows.x && at.y < own.rows.y;
     if (isByDetail(own.draw)) isShown = isShown && isOfDetail(own.draw, chances, h.z);
     vec3 seen = project(h);
     int side = own.side;
@@ -98,6 +108,8 @@ void drawSample(EyeDraw own, vec3 at, vec3 chances, uint colour)
     // Compared as floats: far outside, the conversion to int is undefined.
     isShown = isShown && left > -float(side) && left < float(constants.width) && top > -float(side) &&
               top < float(constants.height);
+    bool isLookedAt = IS_SPLATS == 0u && (constants.firstDraw & kAmongPassed) != 0u && side <= kWidestHidden;
+    if (isLookedAt) isShown = isShown && !isHidden(own.eye, vec2(left, top), side, seen.z);
     if (!isShown) return;
     ivec2 corner = ivec2(left, top);
     if (IS_SPLATS != 0u) {
@@ -113,13 +125,13 @@ void drawSample(EyeDraw own, vec3 at, vec3 chances, uint colour)
 
 void main()
 {
-    PairDraw pair = pairs[constants.firstDraw + gl_WorkGroupID.x];
+    PairDraw pair = pairs[(constants.firstDraw & ~kAmongPassed) + gl_WorkGroupID.x];
     bool drawsLeft = pair.left != kNoDraw, drawsRight = pair.right != kNoDraw;
     TileDraw left = leftDraws[drawsLeft ? pair.left : 0u], right = rightDraws[drawsRight ? pair.right : 0u];
     TileDraw tile = left; // what both have in common
     if (!drawsLeft) tile = right;
     bool isLeftByDetail = drawsLeft && isByDetail(left), isRightByDetail = drawsRight && isByDetail(right);
-    EyeDraw toLeft = eyeDrawOf(kLeft, left), toRight = eyeDrawOf(kRight, right);
+    EyeDraw toLeft = eyeDrawOf(kLeft, left, pair.leftRows), toRight = eyeDrawOf(kRight, right, pair.rightRows);
     for (uint i = gl_LocalInvocationID.x; i < tile.span.z; i += gl_WorkGroupSize.x) {
         uvec2 vertex = texelFetch(vertices, int(tile.span.y + i)).xy;
         vec3 at = placeInTile(tile, vertex.x), chances = vec3(0.0f);

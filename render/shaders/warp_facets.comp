@@ -74,7 +74,8 @@ void drawPixel(TileDraw draw, Piece piece, uint levelAndClass, ivec2 offset)
 
 void main()
 {
-    TileDraw draw = readDraw(constants.firstDraw + gl_WorkGroupID.x);
+    PassedDraw which = drawOf(constants.firstDraw, gl_WorkGroupID.x);
+    TileDraw draw = readDraw(which.draw);
     uint levelAndClass = levelAndClassOf(draw);
     for (uint start = 0u; start < draw.span.z; start += gl_WorkGroupSize.x) {
         uint number = start + gl_LocalInvocationID.x;

@@ -157,14 +157,24 @@ void drawCuts(TileDraw draw, uint levelAndClass)
     }
 }
 
+uint rowOf(TileDraw draw, uint item)
+{
+    uint right = (texelFetch(quads, int(draw.span.y + item)).x >> 16) & kIndexMask; // that any square has
+    return columnAndRowOf(draw, texelFetch(vertices, int(draw.span.x + right)).x).y;
+}
+
+#include "render/shaders/rows.glsl"
+
 void main()
 {
-    TileDraw draw = readDraw(constants.firstDraw + gl_WorkGroupID.x);
+    PassedDraw which = drawOf(constants.firstDraw, gl_WorkGroupID.x);
+    TileDraw draw = readDraw(which.draw);
     uint levelAndClass = levelAndClassOf(draw);
-    for (uint start = 0u; start < draw.span.z; start += gl_WorkGroupSize.x) {
+    uvec2 items = itemsIn(draw, which.rows);
+    for (uint start = items.x; start < items.y; start += gl_WorkGroupSize.x) {
         uint number = start + gl_LocalInvocationID.x;
         bool isLarge = false;
-        if (number < draw.span.z) {
+        if (number < items.y) {
             Square square = warpSquare(draw, number);
             ivec2 extent = max(square.box.last - square.box.first + 1, 0);
             int pixels = extent.x * extent.y;

@@ -6,6 +6,7 @@
 #extension GL_EXT_shader_atomic_int64 : require
 
 #include "render/shaders/shared/detail.h"
+#include "render/shaders/shared/occlusion.h"
 #include "render/shaders/shared/z_key.h"
 #include "render/shaders/read_draw.glsl"
 
@@ -13,15 +14,33 @@ layout(local_size_x_id = 0) in;
 
 layout(set = 0, binding = 0) uniform usamplerBuffer vertices;
 layout(std430, set = 1, binding = 1) buffer ZBuffer { uint64_t zBuffer[]; };
+layout(set = 1, binding = 9) uniform usamplerBuffer occluderTexels;
 layout(push_constant) uniform Constants { WarpConstants constants; };
+
+uint rowOf(TileDraw draw, uint item)
+{
+    return columnAndRowOf(draw, texelFetch(vertices, int(draw.span.y + item)).x).y;
+}
+
+#include "render/shaders/rows.glsl"
+
+uint leastAt(uint eye, int block)
+{
+    return texelFetch(occluderTexels, block).x;
+}
+
+#include "render/shaders/hidden.glsl"
 
 void main()
 {
-    TileDraw draw = readDraw(constants.firstDraw + gl_WorkGroupID.x);
+    PassedDraw which = drawOf(constants.firstDraw, gl_WorkGroupID.x);
+    TileDraw draw = readDraw(which.draw);
     int size = footprintOf(draw);
     uint levelAndClass = levelAndClassOf(draw);
     float width = float(constants.width), height = float(constants.height);
-    for (uint i = gl_LocalInvocationID.x; i < draw.span.z; i += gl_WorkGroupSize.x) {
+    uvec2 items = itemsIn(draw, which.rows);
+    bool isLookedAt = (constants.firstDraw & kAmongPassed) != 0u && size <= kWidestHidden;
+    for (uint i = items.x + gl_LocalInvocationID.x; i < items.y; i += gl_WorkGroupSize.x) {
         uvec2 vertex = texelFetch(vertices, int(draw.span.y + i)).xy;
         vec4 h = warpSample(draw, vertex.x);
         if (!isBeforeEye(h)) continue;
@@ -32,6 +51,8 @@ void main()
         vec3 seen = project(h);
         uint64_t key = packUint2x32(packKey(seen.z, vertex.y, levelAndClass));
         float left = firstOfFootprint(seen.x, size), top = firstOfFootprint(seen.y, size);
+        // Squares of hidden samples have no turns of the loops below, which processors leave early, unlike branches.
+        if (isLookedAt && isHidden(0u, vec2(left, top), size, seen.z)) continue;
         if (size == 1) {
             // Comparing as floats first: far outside, the conversion to int is undefined.
             if (left >= 0.0f && left < width && top >= 0.0f && top < height)

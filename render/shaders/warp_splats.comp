@@ -29,16 +29,25 @@ void drawPixel(int x, int y, vec2 offset, float centre, float perRadius2, uint c
     atomicMax(zBuffer[at], packUint2x32(packKey(disparity, colour, levelAndClass)));
 }
 
+uint rowOf(TileDraw draw, uint item)
+{
+    return columnAndRowOf(draw, texelFetch(vertices, int(draw.span.y + item)).x).y;
+}
+
+#include "render/shaders/rows.glsl"
+
 void main()
 {
-    TileDraw draw = readDraw(constants.firstDraw + gl_WorkGroupID.x);
+    PassedDraw which = drawOf(constants.firstDraw, gl_WorkGroupID.x);
+    TileDraw draw = readDraw(which.draw);
     uint levelAndClass = levelAndClassOf(draw);
     // Alike for all samples of the tile: no invocation waits for another's wider circle.
     float radius = splatRadiusOf(draw);
     int side = splatSideOf(radius), moreRows = coversTwoAtMost(radius) ? 0 : side;
     precise float perRadius2 = 1.0f / (radius * radius);
     float width = float(constants.width), height = float(constants.height);
-    for (uint i = gl_LocalInvocationID.x; i < draw.span.z; i += gl_WorkGroupSize.x) {
+    uvec2 items = itemsIn(draw, which.rows);
+    for (uint i = items.x + gl_LocalInvocationID.x; i < items.y; i += gl_WorkGroupSize.x) {
         uvec2 vertex = texelFetch(vertices, int(draw.span.y + i)).xy;
         vec4 h = warpSample(draw, vertex.x);
         if (!isBeforeEye(h)) continue;

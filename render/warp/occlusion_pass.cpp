@@ -67,7 +67,9 @@ std::span<const DrawRun> takeBatch(std::span<const DrawRun>& runs) {
 std::vector<PassedRun> nonePassed(std::span<const DrawRun> batch) {
     std::vector<PassedRun> none;
     for (const DrawRun& run : batch)
-        none.push_back({0, 1, 1, run.first | (run.warp == Warp::splats ? kSplatRun : 0)});
+        none.push_back(
+            {0, 1, 1,
+             run.first | (run.warp == Warp::splats ? kSplatRun : 0) | (run.warp == Warp::adaptive ? kFacetRun : 0)});
     return none;
 }
 
@@ -96,7 +98,7 @@ void recordWarpInBatches(VkCommandBuffer commands, const OcclusionPass& pass, co
                 vkCmdDispatch(commands, (constants.count + pass.cullSize - 1) / pass.cullSize, 1, 1);
             }
         });
-        recordPassed(commands, warps, scene, target, now, width, height);
+        recordPassed(commands, warps, scene, eyeSet, target, now, width, height);
     }
 }
 

@@ -116,7 +116,7 @@ void recordStereoWarp(VkCommandBuffer commands, const StereoPass& pass, const Oc
         });
         for (std::size_t i = 0; i < now.size(); ++i) {
             const ComputePipeline& pipeline = useForRun(commands, pass, scene, now[i], eyeSets, target.passedSet);
-            push(commands, pipeline, WarpConstants{now[i].first, width, height});
+            push(commands, pipeline, WarpConstants{now[i].first | kAmongPassed, width, height});
             vkCmdDispatchIndirect(commands, target.passedRuns.handle(), i * sizeof(PassedRun));
         }
     }

@@ -100,12 +100,12 @@ void recordWarp(VkCommandBuffer commands, const WarpPasses& passes, const GpuSce
     });
 }
 
-void recordPassed(VkCommandBuffer commands, const WarpPasses& passes, const GpuScene& scene, const EyeTarget& target,
-                  std::span<const DrawRun> runs, int width, int height) {
-    recordEach(commands, passes, target.passedSet, runs, [&](VkPipelineLayout layout, std::size_t i) {
+void recordPassed(VkCommandBuffer commands, const WarpPasses& passes, const GpuScene& scene, VkDescriptorSet eyeSet,
+                  const EyeTarget& target, std::span<const DrawRun> runs, int width, int height) {
+    recordEach(commands, passes, eyeSet, runs, [&](VkPipelineLayout layout, std::size_t i) {
         assert(runs[i].count <= kMaxWorkgroups);
         bindPage(commands, layout, scene, runs[i]);
-        push(commands, layout, {runs[i].first, width, height});
+        push(commands, layout, {runs[i].first | kAmongPassed, width, height});
         vkCmdDispatchIndirect(commands, target.passedRuns.handle(), i * sizeof(PassedRun));
     });
 }

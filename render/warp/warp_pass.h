@@ -33,7 +33,7 @@ void recordWarp(VkCommandBuffer commands, const WarpPasses& passes, const GpuSce
                 std::span<const DrawRun> runs, int width, int height);
 
 /// The same for what has passed a test (render/warp/occlusion_pass.h): how many of run i, the device knows.
-void recordPassed(VkCommandBuffer commands, const WarpPasses& passes, const GpuScene& scene, const EyeTarget& target,
-                  std::span<const DrawRun> runs, int width, int height);
+void recordPassed(VkCommandBuffer commands, const WarpPasses& passes, const GpuScene& scene, VkDescriptorSet eyeSet,
+                  const EyeTarget& target, std::span<const DrawRun> runs, int width, int height);
 
 } // namespace render

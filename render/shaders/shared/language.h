@@ -8,6 +8,7 @@
 #ifdef __cplusplus
 #include <glm/common.hpp>
 #include <glm/exponential.hpp>
+#include <glm/integer.hpp>
 #include <glm/mat4x4.hpp>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
@@ -24,6 +25,7 @@
 namespace render {
 using uint = std::uint32_t;
 using glm::abs, glm::clamp, glm::floor, glm::ceil, glm::max, glm::min, glm::floatBitsToUint, glm::uintBitsToFloat;
+using glm::findLSB, glm::findMSB;
 using glm::ivec2, glm::vec2, glm::vec3, glm::vec4, glm::uvec2, glm::uvec4;
 using glm::mat4;
 using glm::sqrt, glm::mix, glm::pow;

@@ -4,10 +4,12 @@
 // pixel they may touch. Exact, so that a picture is the same to the byte with and without it; unless gaps are closed
 // for the test, as the hole filler closes them afterwards: then what would be seen only through such gaps is left out.
 //
-// The z-buffer is divided into blocks, each with the least order disparity of its pixels (z_key.h): nothing whose
-// order disparity is below that is seen there.
+// The z-buffer is divided into blocks, each with the least order disparity of its pixels (z_key.h), and which of them
+// hold nothing: nothing whose order disparity is below that is seen there but in those. And what stands in rows of a
+// tile none of which touch a pixel where the tile may be seen is left out, too.
 
 #include "render/shaders/shared/tile_draw.h"
+#include "render/shaders/shared/z_key.h"
 
 SHARED_BEGIN
 
@@ -15,6 +17,14 @@ SHARED_CONSTANT int kOccluderSide = 8; ///< pixels
 
 /// Blocks looked at for one tile at most: what covers more of the picture is near, and drawn.
 SHARED_CONSTANT int kMostOccluders = 256;
+
+/// What hides in a block: bit x of byte y, or y - 4, is pixel (x, y).
+struct Occluder {
+    uint least;     ///< order disparity of its pixels
+    uint openAbove; ///< pixels that hold nothing, rows 0 to 3
+    uint openBelow; ///< rows 4 to 7
+    uint leastHeld; ///< of the pixels that hold anything
+};
 
 struct OccluderConstants {
     int width; ///< of the eye's image, pixels
@@ -37,9 +47,11 @@ struct PassedRun {
     uint x;
     uint y;
     uint z;
-    uint firstAndKind; ///< first draw | kSplatRun
+    uint firstAndKind; ///< first draw | kSplatRun or kFacetRun
 };
 SHARED_CONSTANT uint kSplatRun = 0x80000000u; ///< span.x of its draws is a radius
+SHARED_CONSTANT uint kFacetRun = 0x40000000u; ///< its draws' items do not come row by row
+SHARED_CONSTANT uint kFirstOfRun = 0x3fffffffu;
 
 /// What a pixel counts as where gaps are closed: what stands there, or of two opposite neighbours the farther, of the
 /// four pairs the nearest. The hole filler may put that between them: within a surface its own, and in a gap beside a
@@ -53,7 +65,7 @@ SHARED_FUNCTION int occludersAlong(int pixels) {
     return (pixels + kOccluderSide - 1) / kOccluderSide;
 }
 
-/// What a tile may touch: blocks from first to last, none if last is before first; and the greatest order disparity of
+/// What a tile may touch: pixels from first to last, none if last is before first; and the greatest order disparity of
 /// its samples there. Negative if that cannot be told, since the tile reaches behind the eye.
 struct TileReach {
     ivec2 first;
@@ -126,21 +138,36 @@ SHARED_FUNCTION Sighting sightWithin(TileBox box, int edge, float beyond, vec2 s
     return sighting;
 }
 
-/// isSplats: span.x of the draw is a radius.
-SHARED_FUNCTION TileReach reachOf(TileDraw draw, bool isSplats, int width, int height) {
+/// Where the samples of rows of a tile may be, from row first to row last, that one included.
+SHARED_FUNCTION TileBox boxOfRows(TileDraw draw, float first, float last) {
     uint bits = placeBitsOf(draw);
     TileBox box;
-    box.base = draw.base;
+    box.base = draw.base + first * draw.perY;
     box.alongX = float(int((draw.source.z >> 8) & 0xfffu) - 1) * draw.perX;
-    box.alongY = float(int(draw.source.z >> 20)) * draw.perY;
+    box.alongY = (last - first) * draw.perY;
     box.alongQ = float(int((1u << (32u - 2u * bits)) - 1u)) * draw.perQ;
-    // What is drawn of a sample reaches beyond its place; and a pixel more for what rounding may do.
-    float beyond = (isSplats ? uintBitsToFloat(draw.span.x) : 0.5f * float(footprintOf(draw))) + 1.5f;
-    vec2 size = vec2(float(width), float(height));
+    return box;
+}
 
+/// How far what is drawn of a sample reaches beyond its place, pixels; and a pixel more for what rounding may do.
+/// isSplats: span.x of the draw is a radius.
+SHARED_FUNCTION float beyondOf(TileDraw draw, bool isSplats) {
+    return (isSplats ? uintBitsToFloat(draw.span.x) : 0.5f * float(footprintOf(draw))) + 1.5f;
+}
+
+SHARED_FUNCTION Sighting sightOf(TileBox box) {
     Sighting sighting = noSighting();
     for (int corner = 0; corner < 8; ++corner)
         sighting = withPoint(sighting, cornerOf(box, corner));
+    return sighting;
+}
+
+SHARED_FUNCTION TileReach reachOf(TileDraw draw, bool isSplats, int width, int height) {
+    TileBox box = boxOfRows(draw, 0.0f, float(heightOf(draw)));
+    float beyond = beyondOf(draw, isSplats);
+    vec2 size = vec2(float(width), float(height));
+
+    Sighting sighting = sightOf(box);
     // A wall that passes beside the eye, from before it to behind, is seen only from where it comes into the image on.
     // Each edge by itself bounds that.
     bool isCut = !sighting.isAllBefore;
@@ -157,14 +184,76 @@ SHARED_FUNCTION TileReach reachOf(TileDraw draw, bool isSplats, int width, int h
         sighting.nearest = sighting.nearest < 0.0f ? part.nearest : min(sighting.nearest, part.nearest);
     }
 
-    vec2 first = clamp((sighting.least - beyond) / float(kOccluderSide), vec2(0.0f), size / float(kOccluderSide));
-    vec2 last =
-        clamp((sighting.most + beyond) / float(kOccluderSide), vec2(-1.0f), (size - 1.0f) / float(kOccluderSide));
+    vec2 first = clamp(sighting.least - beyond, vec2(0.0f), size);
+    vec2 last = clamp(sighting.most + beyond, vec2(-1.0f), size - 1.0f);
     TileReach reach;
     reach.first = ivec2(int(floor(first.x)), int(floor(first.y)));
     reach.last = ivec2(int(floor(last.x)), int(floor(last.y)));
     reach.nearest = sighting.nearest * 1.01f; // facets may leave their samples by less
     return reach;
+}
+
+/// Where a tile may be seen: pixels from first to last, none if last is before first.
+struct Opening {
+    ivec2 first;
+    ivec2 last;
+};
+
+SHARED_FUNCTION Opening noOpening() {
+    Opening none;
+    none.first = ivec2(0x7fffffff);
+    none.last = ivec2(-1);
+    return none;
+}
+
+/// Bits of rows [first, end) of four.
+SHARED_FUNCTION uint bitsBefore(int row) {
+    return row <= 0 ? 0u : row >= 4 ? 0xffffffffu : (1u << uint(8 * row)) - 1u;
+}
+
+/// And what a block, of those that the tile may touch, leaves open of it.
+SHARED_FUNCTION Opening withBlock(Opening opening, TileReach reach, ivec2 block, Occluder occluder) {
+    ivec2 corner = block * kOccluderSide;
+    ivec2 first = max(reach.first - corner, ivec2(0)), last = min(reach.last - corner, ivec2(kOccluderSide - 1));
+    uint columns = ((2u << uint(last.x)) - (1u << uint(first.x))) * 0x01010101u;
+    uint above = occluder.openAbove & columns & bitsBefore(last.y + 1) & ~bitsBefore(first.y);
+    uint below = occluder.openBelow & columns & bitsBefore(last.y - 3) & ~bitsBefore(first.y - 4);
+    if (occluder.leastHeld > floatBitsToUint(reach.nearest)) {
+        uint both = above | below;
+        if (both == 0u) return opening;
+        both |= both >> 16;
+        both = (both | (both >> 8)) & 0xffu;
+        first = ivec2(findLSB(both), above != 0u ? findLSB(above) / 8 : 4 + findLSB(below) / 8);
+        last = ivec2(findMSB(both), below != 0u ? 4 + findMSB(below) / 8 : findMSB(above) / 8);
+    }
+    opening.first = min(opening.first, corner + first);
+    opening.last = max(opening.last, corner + last);
+    return opening;
+}
+
+/// Samples of a tile, and its squares, stand row by row (scene/tile.cpp): but those of scraps, and what stands in for
+/// damaged tiles (render/chunk_bytes.h).
+SHARED_FUNCTION bool comesRowByRow(TileDraw draw) {
+    return placeBitsOf(draw) == kRowPlaceBits && (levelAndClassOf(draw) & 3u) != kClassUnseen;
+}
+
+/// Rows (PassedDraw) of whose samples (squares: between that row and the next) any may be seen, in whole bands.
+SHARED_FUNCTION uint rowsIn(Opening opening, TileDraw draw, bool isSplats) {
+    const int bands = 8;
+    int height = heightOf(draw), deep = (height + bands - 1) / bands;
+    float beyond = beyondOf(draw, isSplats);
+    int first = height, end = 0;
+    bool isWhole = !comesRowByRow(draw);
+    for (int row = 0; row < height; row += deep) {
+        Sighting sighting = sightOf(boxOfRows(draw, float(row), float(row + deep)));
+        isWhole = isWhole || !sighting.isAllBefore;
+        vec2 low = sighting.least - beyond, high = sighting.most + beyond;
+        bool isIn = high.x >= float(opening.first.x) && low.x <= float(opening.last.x + 1) &&
+                    high.y >= float(opening.first.y) && low.y <= float(opening.last.y + 1);
+        if (isIn) first = min(first, row), end = row + deep;
+    }
+    if (isWhole) return kAllRows;
+    return end == 0 ? kNoRows : uint(first) | (uint(end) << 8);
 }
 
 SHARED_END

@@ -10,9 +10,12 @@ SHARED_BEGIN
 struct PairDraw {
     uint left;
     uint right;
-    uint run; ///< number of its run in its batch
+    uint run;       ///< number of its run in its batch
+    uint leftRows;  ///< that the left eye draws: all, until it has been looked at (occlusion.h)
+    uint rightRows; ///< the right eye
 };
 SHARED_CONSTANT uint kNoDraw = 0xffffffffu;
+SHARED_CONSTANT uint kLeft = 0u, kRight = 1u; ///< eyes
 
 struct PairTestConstants {
     uint firstPair;
@@ -22,7 +25,7 @@ struct PairTestConstants {
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(PairDraw) == 12);
+static_assert(sizeof(PairDraw) == 20);
 #endif
 
 SHARED_END

@@ -25,12 +25,21 @@ struct TileDraw {
 };
 
 struct WarpConstants {
-    uint firstDraw; ///< of the workgroup with number 0
+    uint firstDraw; ///< of the workgroup with number 0; with kAmongPassed among the draws that have passed a look
     int width;      ///< of the eye's image, pixels
     int height;
 };
+SHARED_CONSTANT uint kAmongPassed = 0x80000000u;
+
+/// A draw that may still change the picture, when that was last looked at (occlusion.h).
+struct PassedDraw {
+    uint draw; ///< number in the list
+    uint rows; ///< of its tile, that may: first | end << 8
+};
+SHARED_CONSTANT uint kAllRows = 0xff00u, kNoRows = 0u;
 
 #ifdef __cplusplus
+static_assert(sizeof(PassedDraw) == 8);
 static_assert(sizeof(TileDraw) == 112 && alignof(TileDraw) == 4);
 static_assert(sizeof(WarpConstants) == 12);
 #endif
@@ -49,6 +58,13 @@ SHARED_FUNCTION uint placeBitsOf(TileDraw draw) {
 SHARED_FUNCTION int footprintOf(TileDraw draw) {
     return int(draw.span.w & 0xfffu);
 }
+
+SHARED_FUNCTION int heightOf(TileDraw draw) {
+    return int(draw.source.z >> 20);
+}
+
+/// Bits of a place in all tiles but scraps.
+SHARED_CONSTANT uint kRowPlaceBits = 6u;
 
 /// Which image a draw's samples are of, and how many of them are left out, in source.w.
 SHARED_CONSTANT uint kImageBits = 24u, kMostImages = 1u << 24;
