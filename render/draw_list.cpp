@@ -205,6 +205,17 @@ bool isWhollyWanted(const SourceView& source, const scene::SampleBox& box, doubl
     return detail && detail->x == 0.0f;
 }
 
+/// A coarser level stands where its captured image does, and its camera is halved again and again: powers of two, so
+/// that this is what its own camera would give, to the bit.
+void takeFrom(const SourceView& captured, SourceView& level) {
+    const double wider = std::exp2(level.level);
+    level.eyeImageFromSource = captured.eyeImageFromSource;
+    level.eyeImageFromSource[0] *= wider, level.eyeImageFromSource[1] *= wider;
+    level.eyeFromCamera = captured.eyeFromCamera;
+    level.pixelsPerSample = captured.pixelsPerSample * wider;
+    level.isNear = captured.isNear;
+}
+
 } // namespace
 
 TileDraw tileDrawOf(const glm::dmat4& c, const ResidentTile& tile, int orderLevel) {
@@ -242,6 +253,10 @@ void findSourceViews(std::span<const ResidentImage> images, const scene::View& e
         if (!shares.empty()) view.share = shares[image.captured];
         view.isOut = view.share <= 0 || (!spheres.empty() && isOut[image.captured] != 0);
         if (view.isOut) continue;
+        if (image.level > 0) {
+            takeFrom(views[image.captured], view);
+            continue;
+        }
         view.eyeImageFromSource = scene::eyeImageFromSourceImage(eye, image.camera, image.worldFromCamera);
         view.eyeFromCamera = eye.worldFromEye.translation - image.worldFromCamera.translation;
         view.pixelsPerSample = std::sqrt(eye.camera.fx * eye.camera.fy / (image.camera.fx * image.camera.fy));
@@ -285,13 +300,13 @@ void chooseDraws(const SceneIndex& scene, std::span<const ChunkPlace> places, st
         };
         const Warp warp = warpOfTile();
         if (itemsOf(tile, warp) == 0) return std::nullopt;
-        const auto level = scene::orderLevelOf(tile.middle, source.eyeFromCamera, quality.preference);
-        if (!level) return std::nullopt;
         std::optional<vec4> detail = vec4(0);
         if (isDetailed)
             detail = detailOf(source, boxOf(scene.bounds, number), samplePixelsOf(source, tile),
                               source.level == 0 || isStandIn);
         if (!detail) return std::nullopt;
+        const auto level = scene::orderLevelOf(tile.middle, source.eyeFromCamera, quality.preference);
+        if (!level) return std::nullopt;
         const bool isByArea = quality.preference.areaLevels > 0;
         const double area =
             isByArea ? scene::sampleAreaInEye(source.eyeImageFromSource, boxOf(scene.bounds, number)) : 0;

@@ -49,6 +49,25 @@ TEST_F(AdaptiveTest, ShowsWhatTheMeshShows) {
     }
 }
 
+TEST_F(AdaptiveTest, CoarserLevelsAreSeenAsByTheirOwnCameras) {
+    const CutScene room = cutInLevels({roomFromThreePlaces()[0], roomFromThreePlaces()[1]});
+    const GpuScene scene(testDevice(), room.blocks());
+    const scene::View eye{cameraOf(321, 241, 1.3), poseAt({0.123, 0.02, 0.15}, 0.37, 0.1)};
+    const auto sources = sourceViewsOf(scene.images(), eye, {});
+    std::uint32_t coarsest = 0;
+    for (std::size_t i = 0; i < sources.size(); ++i) {
+        const ResidentImage& image = scene.images()[i];
+        EXPECT_EQ(sources[i].eyeImageFromSource,
+                  scene::eyeImageFromSourceImage(eye, image.camera, image.worldFromCamera))
+            << i;
+        EXPECT_EQ(sources[i].pixelsPerSample,
+                  std::sqrt(eye.camera.fx * eye.camera.fy / (image.camera.fx * image.camera.fy)))
+            << i;
+        coarsest = std::max(coarsest, image.level);
+    }
+    EXPECT_GE(coarsest, 2u);
+}
+
 /// The facets of a scene by the shader's own functions, one after another.
 scene::Image<std::uint64_t> facetsOnProcessor(const CutScene& cut, const GpuScene& scene, const scene::View& eye) {
     scene::Image<std::uint64_t> keys(eye.camera.width, eye.camera.height, 0);
