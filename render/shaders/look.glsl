@@ -37,5 +37,5 @@ uint rowsSeen(uint eye, TileDraw draw, uint kindOfRun, int width, int height)
         for (int x = first.x; x <= last.x; ++x)
             opening = withBlock(opening, reach, ivec2(x, y), occluderAt(eye, y * across + x));
     if (opening.last.x < opening.first.x) return kNoRows;
-    return (kindOfRun & kFacetRun) != 0u ? kAllRows : rowsIn(opening, draw, isSplats);
+    return (kindOfRun & kWholeRun) != 0u ? kAllRows : rowsIn(opening, draw, isSplats);
 }

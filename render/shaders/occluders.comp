@@ -1,7 +1,6 @@
 #version 460
 // What each block of the z-buffer hides (shared/occlusion.h). One invocation a block.
 #extension GL_GOOGLE_include_directive : require
-#extension GL_EXT_control_flow_attributes : require
 
 #include "render/shaders/shared/occlusion.h"
 
@@ -22,10 +21,15 @@ const int kRowReach = kOccluderSide + 2; // a row of a block, and the pixels bes
 
 void readRow(int x, int y, out uint row[kRowReach])
 {
-    [[unroll]] for (int i = 0; i < kRowReach; ++i) row[i] = disparityAt(x - 1 + i, y);
+    for (int i = 0; i < kRowReach; ++i) row[i] = disparityAt(x - 1 + i, y);
 }
 
 const uint kMost = 0xffffffffu;
+
+bool isOpen(Occluder occluder)
+{
+    return (occluder.openAbove | occluder.openBelow) != 0u;
+}
 
 Occluder withPixel(Occluder occluder, int x, int y, uint disparity)
 {
@@ -34,13 +38,13 @@ Occluder withPixel(Occluder occluder, int x, int y, uint disparity)
         occluder.openAbove |= bit;
     else
         occluder.openBelow |= bit;
-    occluder.leastHeld = min(occluder.leastHeld, disparity == 0u ? kMost : disparity);
+    occluder.least = min(occluder.least, disparity == 0u ? kMost : disparity);
     return occluder;
 }
 
 Occluder occluderOf(ivec2 first)
 {
-    Occluder occluder = Occluder(kMost, 0u, 0u, kMost);
+    Occluder occluder = Occluder(kMost, 0u, 0u, 0u);
     for (int y = 0; y < kOccluderSide; ++y)
         for (int x = 0; x < kOccluderSide; ++x)
             occluder = withPixel(occluder, x, y, disparityAt(first.x + x, first.y + y));
@@ -49,13 +53,13 @@ Occluder occluderOf(ivec2 first)
 
 Occluder occluderOfClosed(ivec2 first)
 {
-    Occluder occluder = Occluder(kMost, 0u, 0u, kMost);
+    Occluder occluder = Occluder(kMost, 0u, 0u, 0u);
     uint above[kRowReach], here[kRowReach], below[kRowReach];
     readRow(first.x, first.y - 1, above);
     readRow(first.x, first.y, here);
-    [[unroll]] for (int y = 0; y < kOccluderSide; ++y) {
+    for (int y = 0; y < kOccluderSide && !isOpen(occluder); ++y) {
         readRow(first.x, first.y + y + 1, below);
-        [[unroll]] for (int x = 1; x <= kOccluderSide; ++x)
+        for (int x = 1; x <= kOccluderSide; ++x)
             occluder = withPixel(occluder, x - 1, y,
                                  closedDisparity(here[x], uvec2(here[x - 1], here[x + 1]), uvec2(above[x], below[x]),
                                                  uvec2(above[x - 1], below[x + 1]), uvec2(above[x + 1], below[x - 1])));
@@ -70,14 +74,15 @@ void main()
     int across = occludersAlong(constants.width), row = int(gl_WorkGroupID.x);
     for (int column = int(gl_LocalInvocationID.x); column < across; column += int(gl_WorkGroupSize.x)) {
         int block = row * across + column;
-        if (constants.isAgain != 0 && (occluders[block].openAbove | occluders[block].openBelow) == 0u) continue;
+        if (constants.isAgain != 0 && !isOpen(occluders[block])) continue;
         ivec2 first = ivec2(column, row) * kOccluderSide;
         Occluder occluder;
         if (constants.closesGaps != 0)
             occluder = occluderOfClosed(first);
         else
             occluder = occluderOf(first);
-        occluder.least = (occluder.openAbove | occluder.openBelow) != 0u ? 0u : occluder.leastHeld;
+        // The finer the sieve, the more of what would close a gap stays behind it, and not every gap can be filled.
+        if (constants.closesGaps != 0 && isOpen(occluder)) occluder.openAbove = occluder.openBelow = kMost;
         occluders[block] = occluder;
     }
 }

@@ -7,7 +7,6 @@
 #extension GL_EXT_shader_atomic_int64 : require
 
 #include "render/shaders/shared/detail.h"
-#include "render/shaders/shared/occlusion.h"
 #include "render/shaders/shared/splat.h"
 #include "render/shaders/shared/stereo.h"
 #include "render/shaders/shared/z_key.h"
@@ -20,8 +19,6 @@ layout(std430, set = 1, binding = 0) readonly buffer LeftDraws { TileDraw leftDr
 layout(std430, set = 1, binding = 1) buffer LeftZBuffer { uint64_t leftZBuffer[]; };
 layout(std430, set = 2, binding = 0) readonly buffer RightDraws { TileDraw rightDraws[]; };
 layout(std430, set = 2, binding = 1) buffer RightZBuffer { uint64_t rightZBuffer[]; };
-layout(set = 1, binding = 9) uniform usamplerBuffer leftOccluders;
-layout(set = 2, binding = 9) uniform usamplerBuffer rightOccluders;
 layout(std430, set = 3, binding = 0) readonly buffer Pairs { PairDraw pairs[]; };
 layout(push_constant) uniform Constants { WarpConstants constants; };
 
@@ -59,13 +56,6 @@ void put(uint eye, int pixel, uint64_t key)
     else
         atomicMax(rightZBuffer[pixel], key);
 }
-
-uint leastAt(uint eye, int block)
-{
-    return eye == kLeft ? texelFetch(leftOccluders, block).x : texelFetch(rightOccluders, block).x;
-}
-
-#include "render/shaders/hidden.glsl"
 
 void drawSquare(EyeDraw own, ivec2 corner, uint64_t key)
 {
@@ -108,8 +98,6 @@ void drawSample(EyeDraw own, vec3 at, vec3 chances, uint colour)
     // Compared as floats: far outside, the conversion to int is undefined.
     isShown = isShown && left > -float(side) && left < float(constants.width) && top > -float(side) &&
               top < float(constants.height);
-    bool isLookedAt = IS_SPLATS == 0u && (constants.firstDraw & kAmongPassed) != 0u && side <= kWidestHidden;
-    if (isLookedAt) isShown = isShown && !isHidden(own.eye, vec2(left, top), side, seen.z);
     if (!isShown) return;
     ivec2 corner = ivec2(left, top);
     if (IS_SPLATS != 0u) {
@@ -125,7 +113,7 @@ void drawSample(EyeDraw own, vec3 at, vec3 chances, uint colour)
 
 void main()
 {
-    PairDraw pair = pairs[(constants.firstDraw & ~kAmongPassed) + gl_WorkGroupID.x];
+    PairDraw pair = pairs[constants.firstDraw + gl_WorkGroupID.x];
     bool drawsLeft = pair.left != kNoDraw, drawsRight = pair.right != kNoDraw;
     TileDraw left = leftDraws[drawsLeft ? pair.left : 0u], right = rightDraws[drawsRight ? pair.right : 0u];
     TileDraw tile = left; // what both have in common

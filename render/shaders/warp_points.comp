@@ -6,7 +6,6 @@
 #extension GL_EXT_shader_atomic_int64 : require
 
 #include "render/shaders/shared/detail.h"
-#include "render/shaders/shared/occlusion.h"
 #include "render/shaders/shared/z_key.h"
 #include "render/shaders/read_draw.glsl"
 
@@ -14,7 +13,6 @@ layout(local_size_x_id = 0) in;
 
 layout(set = 0, binding = 0) uniform usamplerBuffer vertices;
 layout(std430, set = 1, binding = 1) buffer ZBuffer { uint64_t zBuffer[]; };
-layout(set = 1, binding = 9) uniform usamplerBuffer occluderTexels;
 layout(push_constant) uniform Constants { WarpConstants constants; };
 
 uint rowOf(TileDraw draw, uint item)
@@ -24,13 +22,6 @@ uint rowOf(TileDraw draw, uint item)
 
 #include "render/shaders/rows.glsl"
 
-uint leastAt(uint eye, int block)
-{
-    return texelFetch(occluderTexels, block).x;
-}
-
-#include "render/shaders/hidden.glsl"
-
 void main()
 {
     PassedDraw which = drawOf(constants.firstDraw, gl_WorkGroupID.x);
@@ -39,7 +30,6 @@ void main()
     uint levelAndClass = levelAndClassOf(draw);
     float width = float(constants.width), height = float(constants.height);
     uvec2 items = itemsIn(draw, which.rows);
-    bool isLookedAt = (constants.firstDraw & kAmongPassed) != 0u && size <= kWidestHidden;
     for (uint i = items.x + gl_LocalInvocationID.x; i < items.y; i += gl_WorkGroupSize.x) {
         uvec2 vertex = texelFetch(vertices, int(draw.span.y + i)).xy;
         vec4 h = warpSample(draw, vertex.x);
@@ -51,8 +41,6 @@ void main()
         vec3 seen = project(h);
         uint64_t key = packUint2x32(packKey(seen.z, vertex.y, levelAndClass));
         float left = firstOfFootprint(seen.x, size), top = firstOfFootprint(seen.y, size);
-        // Squares of hidden samples have no turns of the loops below, which processors leave early, unlike branches.
-        if (isLookedAt && isHidden(0u, vec2(left, top), size, seen.z)) continue;
         if (size == 1) {
             // Comparing as floats first: far outside, the conversion to int is undefined.
             if (left >= 0.0f && left < width && top >= 0.0f && top < height)

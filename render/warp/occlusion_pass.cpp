@@ -64,12 +64,12 @@ std::span<const DrawRun> takeBatch(std::span<const DrawRun>& runs) {
     return batch;
 }
 
-std::vector<PassedRun> nonePassed(std::span<const DrawRun> batch) {
+std::vector<PassedRun> nonePassed(std::span<const DrawRun> batch, bool closesGaps) {
     std::vector<PassedRun> none;
     for (const DrawRun& run : batch)
-        none.push_back(
-            {0, 1, 1,
-             run.first | (run.warp == Warp::splats ? kSplatRun : 0) | (run.warp == Warp::adaptive ? kFacetRun : 0)});
+        none.push_back({0, 1, 1,
+                        run.first | (run.warp == Warp::splats ? kSplatRun : 0) |
+                            (closesGaps || run.warp == Warp::adaptive ? kWholeRun : 0)});
     return none;
 }
 
@@ -83,7 +83,7 @@ void recordWarpInBatches(VkCommandBuffer commands, const OcclusionPass& pass, co
             recordWarp(commands, warps, scene, eyeSet, now, width, height);
             continue;
         }
-        const std::vector<PassedRun> none = nonePassed(now);
+        const std::vector<PassedRun> none = nonePassed(now, closesGaps);
         const std::uint32_t tiles = now.back().first + now.back().count - now.front().first;
         const OccluderConstants occluders{width, height, closesGaps ? 1 : 0, hasLooked ? 1 : 0};
         hasLooked = true;

@@ -30,7 +30,7 @@ void recordPassing(VkCommandBuffer commands, const OcclusionPass& pass, std::spa
 std::span<const DrawRun> takeBatch(std::span<const DrawRun>& runs);
 
 /// What recordPassing begins a batch with.
-std::vector<PassedRun> nonePassed(std::span<const DrawRun> batch);
+std::vector<PassedRun> nonePassed(std::span<const DrawRun> batch, bool closesGaps);
 
 /// Draws the runs, batch after batch. The z-buffer must be clear, and is finished behind the caller's next barrier.
 /// closesGaps: what is behind gaps of one pixel within a surface is left out, too.

@@ -101,7 +101,7 @@ void recordStereoWarp(VkCommandBuffer commands, const StereoPass& pass, const Oc
             }
             continue;
         }
-        const std::vector<PassedRun> none = nonePassed(now);
+        const std::vector<PassedRun> none = nonePassed(now, closesGaps);
         const std::uint32_t pairs = now.back().first + now.back().count - now.front().first;
         const OccluderConstants occluders{width, height, closesGaps ? 1 : 0, hasLooked ? 1 : 0};
         hasLooked = true;
@@ -116,7 +116,7 @@ void recordStereoWarp(VkCommandBuffer commands, const StereoPass& pass, const Oc
         });
         for (std::size_t i = 0; i < now.size(); ++i) {
             const ComputePipeline& pipeline = useForRun(commands, pass, scene, now[i], eyeSets, target.passedSet);
-            push(commands, pipeline, WarpConstants{now[i].first | kAmongPassed, width, height});
+            push(commands, pipeline, WarpConstants{now[i].first, width, height});
             vkCmdDispatchIndirect(commands, target.passedRuns.handle(), i * sizeof(PassedRun));
         }
     }

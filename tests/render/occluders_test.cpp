@@ -55,7 +55,7 @@ TileDraw tileDraw(int side, float step, vec2 first, vec2 shift, float slope) {
     return draw;
 }
 
-constexpr Occluder kFull{400, 0, 0, 400};
+constexpr Occluder kFull{400, 0, 0, 0};
 
 TEST(Occluders, AFullBlockHidesWhatIsBehindAllOfIt) {
     const TileReach behind{{0, 0}, {7, 7}, uintBitsToFloat(399)}, within{{2, 1}, {5, 12}, uintBitsToFloat(400)};
@@ -70,7 +70,7 @@ TEST(Occluders, AFullBlockHidesWhatIsBehindAllOfIt) {
 
 TEST(Occluders, WhatIsOpenIsSeenThroughWhereItIs) {
     // Of the block at (8, 16) the pixels (3, 2) and (6, 5) hold nothing.
-    const Occluder block{0, 1u << (8 * 2 + 3), 1u << (8 * 1 + 6), 400};
+    const Occluder block{400, 1u << (8 * 2 + 3), 1u << (8 * 1 + 6), 0};
     const auto opening = [&](ivec2 first, ivec2 last) {
         return withBlock(noOpening(), TileReach{first, last, uintBitsToFloat(300)}, {1, 2}, block);
     };

@@ -6,7 +6,8 @@
 //
 // The z-buffer is divided into blocks, each with the least order disparity of its pixels (z_key.h), and which of them
 // hold nothing: nothing whose order disparity is below that is seen there but in those. And what stands in rows of a
-// tile none of which touch a pixel where the tile may be seen is left out, too.
+// tile none of which touch a pixel where the tile may be seen is left out, too. Where gaps are closed, blocks are open
+// as a whole and tiles are drawn whole.
 
 #include "render/shaders/shared/tile_draw.h"
 #include "render/shaders/shared/z_key.h"
@@ -20,10 +21,10 @@ SHARED_CONSTANT int kMostOccluders = 256;
 
 /// What hides in a block: bit x of byte y, or y - 4, is pixel (x, y).
 struct Occluder {
-    uint least;     ///< order disparity of its pixels
+    uint least;     ///< order disparity of the pixels that hold anything; the most there is if none does
     uint openAbove; ///< pixels that hold nothing, rows 0 to 3
     uint openBelow; ///< rows 4 to 7
-    uint leastHeld; ///< of the pixels that hold anything
+    uint unused;
 };
 
 struct OccluderConstants {
@@ -47,10 +48,10 @@ struct PassedRun {
     uint x;
     uint y;
     uint z;
-    uint firstAndKind; ///< first draw | kSplatRun or kFacetRun
+    uint firstAndKind; ///< first draw | kSplatRun, kWholeRun
 };
 SHARED_CONSTANT uint kSplatRun = 0x80000000u; ///< span.x of its draws is a radius
-SHARED_CONSTANT uint kFacetRun = 0x40000000u; ///< its draws' items do not come row by row
+SHARED_CONSTANT uint kWholeRun = 0x40000000u; ///< what passes is drawn with all its rows
 SHARED_CONSTANT uint kFirstOfRun = 0x3fffffffu;
 
 /// What a pixel counts as where gaps are closed: what stands there, or of two opposite neighbours the farther, of the
@@ -218,7 +219,7 @@ SHARED_FUNCTION Opening withBlock(Opening opening, TileReach reach, ivec2 block,
     uint columns = ((2u << uint(last.x)) - (1u << uint(first.x))) * 0x01010101u;
     uint above = occluder.openAbove & columns & bitsBefore(last.y + 1) & ~bitsBefore(first.y);
     uint below = occluder.openBelow & columns & bitsBefore(last.y - 3) & ~bitsBefore(first.y - 4);
-    if (occluder.leastHeld > floatBitsToUint(reach.nearest)) {
+    if (occluder.least > floatBitsToUint(reach.nearest)) {
         uint both = above | below;
         if (both == 0u) return opening;
         both |= both >> 16;
