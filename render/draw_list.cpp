@@ -205,8 +205,8 @@ bool isWhollyWanted(const SourceView& source, const scene::SampleBox& box, doubl
     return detail && detail->x == 0.0f;
 }
 
-/// A coarser level stands where its captured image does, and its camera is halved again and again: powers of two, so
-/// that this is what its own camera would give, to the bit.
+/// A coarser level, which comes after the captured images, stands where its own does, and its camera is halved again
+/// and again: powers of two, so that this is what its own camera would give, to the bit.
 void takeFrom(const SourceView& captured, SourceView& level) {
     const double wider = std::exp2(level.level);
     level.eyeImageFromSource = captured.eyeImageFromSource;

@@ -207,7 +207,7 @@ SHARED_FUNCTION Opening noOpening() {
     return none;
 }
 
-/// Bits of rows [first, end) of four.
+/// Bits of those of four rows that come before one.
 SHARED_FUNCTION uint bitsBefore(int row) {
     return row <= 0 ? 0u : row >= 4 ? 0xffffffffu : (1u << uint(8 * row)) - 1u;
 }
