@@ -2,6 +2,7 @@
 
 #include "render/pipeline.h"
 #include "render/shaders/shared/detail.h"
+#include "render/shaders/shared/splat.h"
 #include "render/shaders/shared/z_key.h"
 #include "scene/footprint.h"
 
@@ -130,11 +131,15 @@ bool isOutside(const ViewWedge& wedge, const ImageSphere& sphere) {
 }
 
 constexpr std::uint32_t kBatches = 8, kWarps = 4;
-constexpr std::uint32_t kBuckets = kBatches * 2 * kWarps; ///< batch, near or far, warp
+constexpr std::uint32_t kBucketsOfBatch = 2 * kWarps * 2; ///< near or far, warp, plain or not
+constexpr std::uint32_t kBuckets = kBatches * kBucketsOfBatch;
 
 /// Samples are put into a batch until they could cover the picture so many times. Those of one batch may hide each
 /// other in vain; each further batch costs a look at the z-buffer, of which the first is dear.
 constexpr std::array<double, kBatches - 1> kBatchCovers{1, 1.25, 1.5, 2, 2.5, 3.5, 5};
+
+/// Fewer plain tiles go with the others: a dispatch more costs more than they save.
+constexpr std::uint32_t kLeastPlain = 32;
 
 /// With less than this to draw, looking costs more than it saves.
 constexpr double kLeastCover = 3;
@@ -149,6 +154,47 @@ void placeInView(const SourceView& source, const ResidentTile& tile, const scene
     chosen.area = static_cast<float>(tile.pointCount * width * width);
     const double scale = static_cast<double>(scene::orderScale(static_cast<int>(chosen.orderLevel)));
     chosen.orderDisparity = w > 0 ? static_cast<float>(middle.z / (w * scale)) : std::numeric_limits<float>::infinity();
+}
+
+/// Whether no sample of a box can be anywhere but before the eye (isBeforeEye in shared/tile_draw.h), whatever single
+/// precision makes of it.
+bool isAllBefore(const glm::dmat4& c, const scene::SampleBox& box) {
+    constexpr double kMost = static_cast<double>(kMaxEyeDisparity), kMargin = 1e-4;
+    double least = 0, magnitude = 0; // of kMost * w - d: affine, so that it is least in a corner
+    const auto add = [&](int column, double low, double high) {
+        const double slope = kMost * c[column].z - c[column].w;
+        least += std::min(slope * low, slope * high);
+        magnitude += std::max(std::abs(slope * low), std::abs(slope * high));
+    };
+    add(0, box.least.x, box.most.x), add(1, box.least.y, box.most.y), add(2, 1, 1), add(3, box.least.z, box.most.z);
+    return least > kMargin * magnitude;
+}
+
+/// How far a sample reaches in the eye, and whether the tile is plain: points of one pixel; splats of two at most; a
+/// mesh before the eye; and of meshes and facets, which ask it square by square or pixel by pixel, all is of this
+/// level.
+void findReach(const SourceView& source, const scene::SampleBox& box, const Quality& quality,
+               DrawList::Chosen& chosen) {
+    const glm::dmat4& c = source.eyeImageFromSource;
+    const bool isWhole = chosen.detail.x == 0.0f && source.share == 1;
+    switch (chosen.warp) {
+    case Warp::points:
+        chosen.reach = footprintOf(c, box, quality, chosen.isStandIn);
+        chosen.isPlain = chosen.reach == 1;
+        break;
+    case Warp::splats: {
+        const float radius = scene::splatRadiusOf(c, box, quality.splatScale, quality.maxSplat);
+        chosen.reach = glm::floatBitsToUint(radius);
+        chosen.isPlain = coversTwoAtMost(radius);
+        break;
+    }
+    case Warp::mesh:
+        chosen.isPlain = isWhole && isAllBefore(c, box);
+        break;
+    case Warp::adaptive:
+        chosen.isPlain = isWhole;
+        break;
+    }
 }
 
 /// For all that was chosen, piece by piece.
@@ -195,8 +241,10 @@ std::uint32_t bucketOf(const DrawList::Chosen& chosen, const std::array<std::uin
     std::uint32_t batch = 0;
     while (batch < batchEnds.size() && bin < batchEnds[batch])
         ++batch;
-    const std::uint32_t isFar = chosen.orderLevel == scene::kMaxOrderLevel ? 1 : 0;
-    return (2 * batch + isFar) * kWarps + kRank[static_cast<std::size_t>(chosen.warp)];
+    // Points do not look at what is there already.
+    const bool isFar = chosen.orderLevel == scene::kMaxOrderLevel && chosen.warp != Warp::points;
+    const std::uint32_t ofWarp = (isFar ? kWarps : 0) + kRank[static_cast<std::size_t>(chosen.warp)];
+    return batch * kBucketsOfBatch + 2 * ofWarp + (chosen.isPlain ? 0 : 1);
 }
 
 /// Whether all of a coarse tile is of the level that is asked for, or of a coarser one: then it stands for nothing.
@@ -313,8 +361,13 @@ void chooseDraws(const SceneIndex& scene, std::span<const ChunkPlace> places, st
         const int behind = isStandIn ? kStandInLevels : 0;
         const int orderLevel =
             std::min(scene::withArea(*level, area, quality.preference) + behind, scene::kMaxOrderLevel);
-        DrawList::Chosen chosen{number, static_cast<std::uint32_t>(orderLevel), isStandIn, warp, *detail};
+        DrawList::Chosen chosen{.tile = number,
+                                .orderLevel = static_cast<std::uint32_t>(orderLevel),
+                                .isStandIn = isStandIn,
+                                .warp = warp,
+                                .detail = *detail};
         if (picturePixels > 0) placeInView(source, tile, boxOf(scene.bounds, number), chosen);
+        findReach(source, boxOf(scene.bounds, number), quality, chosen);
         return chosen;
     };
 
@@ -343,6 +396,7 @@ void chooseDraws(const SceneIndex& scene, std::span<const ChunkPlace> places, st
             add(*chosen);
             if (!chosen->isStandIn || chosen->warp == Warp::points) continue;
             chosen->warp = Warp::points;
+            findReach(source, boxOf(scene.bounds, chosen->tile), quality, *chosen);
             add(*chosen);
         }
     });
@@ -353,11 +407,20 @@ void chooseDraws(const SceneIndex& scene, std::span<const ChunkPlace> places, st
     for (const ChunkPlace& place : places)
         if (place.isThere()) pages = std::max(pages, place.page + 1);
     std::vector<std::uint32_t>& firsts = list.firsts;
-    firsts.assign(std::size_t{kBuckets} * pages + 1, 0);
+    const auto countBuckets = [&] {
+        firsts.assign(std::size_t{kBuckets} * pages + 1, 0);
+        forChosen(list, pieces, [&](DrawList::Chosen& chosen, std::size_t) {
+            chosen.bucket = bucketOf(chosen, batchEnds) * pages + places[scene.tiles[chosen.tile].chunk].page;
+            ++firsts[chosen.bucket + 1];
+        });
+    };
+    countBuckets();
     forChosen(list, pieces, [&](DrawList::Chosen& chosen, std::size_t) {
-        chosen.bucket = bucketOf(chosen, batchEnds) * pages + places[scene.tiles[chosen.tile].chunk].page;
-        ++firsts[chosen.bucket + 1];
+        const std::size_t count = chosen.bucket + 1; // of its own, and of those that are not plain beside it
+        const bool mayJoin = chosen.isPlain && chosen.warp != Warp::splats; // plain splats leave out corners
+        if (mayJoin && firsts[count] < kLeastPlain && firsts[count + pages] > 0) chosen.isPlain = false;
     });
+    countBuckets();
     for (std::size_t i = 1; i < firsts.size(); ++i)
         firsts[i] += firsts[i - 1];
     list.tiles = firsts.back();
@@ -371,12 +434,9 @@ void chooseDraws(const SceneIndex& scene, std::span<const ChunkPlace> places, st
     for (std::uint32_t i = 0; i < list.tiles; ++i) {
         DrawList::Chosen& chosen = list.chosen[list.order[i]];
         const ResidentTile& tile = scene.tiles[chosen.tile];
-        const DrawRun next{places[tile.chunk].page, i, 0, chosen.warp, chosen.bucket / (2 * kWarps * pages)};
-        const auto isSameRun = [&](const DrawRun& last) {
-            return last.page == next.page && last.warp == next.warp && last.batch == next.batch &&
-                   last.count < kMaxWorkgroups;
-        };
-        if (list.runs.empty() || !isSameRun(list.runs.back())) {
+        const DrawRun next{places[tile.chunk].page, i, 0, chosen.warp, chosen.bucket / (kBucketsOfBatch * pages),
+                           chosen.isPlain};
+        if (list.runs.empty() || !areOfOneRun(list.runs.back(), next) || list.runs.back().count == kMaxWorkgroups) {
             run = list.runs.empty() || list.runs.back().batch != next.batch ? 0 : run + 1;
             list.runs.push_back(next);
         }
@@ -387,7 +447,7 @@ void chooseDraws(const SceneIndex& scene, std::span<const ChunkPlace> places, st
 }
 
 void writeDraws(const SceneIndex& scene, std::span<const ChunkPlace> places, std::span<const SourceView> sources,
-                const Quality& quality, const DrawList& list, std::span<TileDraw> draws) {
+                const DrawList& list, std::span<TileDraw> draws) {
     assert(draws.size() >= list.tiles);
     const tbb::blocked_range<std::size_t> all(0, list.tiles, kDrawsPerTask);
     tbb::parallel_for(all, [&](const tbb::blocked_range<std::size_t>& range) {
@@ -396,18 +456,16 @@ void writeDraws(const SceneIndex& scene, std::span<const ChunkPlace> places, std
             const ResidentTile& tile = scene.tiles[chosen.tile];
             const ChunkPlace& place = places[tile.chunk];
             const SourceView& source = sources[tile.image];
-            const scene::SampleBox box = boxOf(scene.bounds, chosen.tile);
             TileDraw draw = tileDrawOf(source.eyeImageFromSource, tile, static_cast<int>(chosen.orderLevel));
             draw.span.x += place.firstTexel;
             draw.span.z = itemsOf(tile, chosen.warp);
             std::uint32_t footprint = 1;
             if (chosen.warp == Warp::points) {
                 draw.span.y = place.firstTexel + tile.firstVertex;
-                footprint = footprintOf(source.eyeImageFromSource, box, quality, chosen.isStandIn);
+                footprint = chosen.reach;
             } else if (chosen.warp == Warp::splats) {
                 draw.span.y = place.firstTexel + tile.firstVertex;
-                draw.span.x = glm::floatBitsToUint(
-                    scene::splatRadiusOf(source.eyeImageFromSource, box, quality.splatScale, quality.maxSplat));
+                draw.span.x = chosen.reach;
             } else if (chosen.warp == Warp::mesh) {
                 draw.span.y = place.firstTexel + tile.firstQuad;
             } else {

@@ -43,7 +43,13 @@ struct DrawRun {
     std::uint32_t page = 0, first = 0, count = 0; ///< count: kMaxWorkgroups at most
     Warp warp = Warp::points;
     std::uint32_t batch = 0; ///< ascending: nearer ones come before
+    bool isPlain = false;    ///< its tiles need no more of their warp than most do (isPlain in draw_list.cpp)
 };
+
+/// Whether draws of both can be put together.
+inline bool areOfOneRun(const DrawRun& a, const DrawRun& b) {
+    return a.page == b.page && a.warp == b.warp && a.batch == b.batch && a.isPlain == b.isPlain;
+}
 
 struct DrawList {
     std::vector<DrawRun> runs;
@@ -54,6 +60,8 @@ struct DrawList {
         std::uint32_t tile = 0, orderLevel = 0;
         bool isStandIn = false;
         Warp warp = Warp::points;
+        bool isPlain = false;
+        std::uint32_t reach = 0; ///< of a sample in the eye: points' footprint, or the bits of splats' radius
         vec4 detail{0};
         float orderDisparity = 0; ///< of the tile's middle; infinite if that is not before the eye
         float area = 0;           ///< square pixels that its samples cover, about
@@ -84,6 +92,6 @@ void chooseDraws(const SceneIndex& scene, std::span<const ChunkPlace> places, st
 
 /// Writes the draws of what was chosen, list.tiles in all. The same bytes on any number of threads.
 void writeDraws(const SceneIndex& scene, std::span<const ChunkPlace> places, std::span<const SourceView> sources,
-                const Quality& quality, const DrawList& list, std::span<TileDraw> draws);
+                const DrawList& list, std::span<TileDraw> draws);
 
 } // namespace render

@@ -69,11 +69,7 @@ bool uniteDraws(const SceneIndex& scene, std::span<const ChunkPlace> places, con
         PairDraw& pair = list.pairs[i];
         const DrawList::Chosen& chosen = pair.left != kNoDraw ? chosenOf(left, pair.left) : chosenOf(right, pair.right);
         const DrawRun next{places[scene.tiles[chosen.tile].chunk].page, i, 0, chosen.warp, chosen.batch};
-        const auto isSameRun = [&](const DrawRun& last) {
-            return last.page == next.page && last.warp == next.warp && last.batch == next.batch &&
-                   last.count < kMaxWorkgroups;
-        };
-        if (list.runs.empty() || !isSameRun(list.runs.back())) {
+        if (list.runs.empty() || !areOfOneRun(list.runs.back(), next) || list.runs.back().count == kMaxWorkgroups) {
             run = list.runs.empty() || list.runs.back().batch != next.batch ? 0 : run + 1;
             if (run >= kMostTestedRuns) return false;
             list.runs.push_back(next);

@@ -26,6 +26,14 @@ bool closesGaps(const Quality& quality) {
     return isOfSamples && quality.holes.radius > 0;
 }
 
+/// Scraps of the adaptive mesh are points, and what bends is squares; and so is what stands in for missing chunks.
+std::vector<Warp> warpsFor(const Quality& quality, const GpuScene& scene) {
+    std::vector<Warp> warps{quality.warp};
+    if (quality.warp == Warp::adaptive || scene.isStreamed())
+        warps.insert(warps.end(), {Warp::points, Warp::mesh, Warp::adaptive});
+    return warps;
+}
+
 constexpr std::size_t kFirstBlendDraws = 4096;
 
 constexpr VkPipelineStageFlags kCompute = VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT;
@@ -57,17 +65,14 @@ void recordClear(VkCommandBuffer commands, const EyeTarget& target, int width, i
 
 Renderer::Renderer(const Device& device, const GpuScene& scene, int width, int height, int eyes,
                    const GpuCoverage* coverage, const GpuPolygons* polygons)
-    : device_(device), scene_(scene), width_(width), height_(height),
-      eyeLayout_(makeEyeLayout(device)), warps_{makeWarpPass(device, Warp::points, scene.pageLayout(), eyeLayout_),
-                                                makeWarpPass(device, Warp::mesh, scene.pageLayout(), eyeLayout_),
-                                                makeWarpPass(device, Warp::adaptive, scene.pageLayout(), eyeLayout_),
-                                                makeWarpPass(device, Warp::splats, scene.pageLayout(), eyeLayout_)},
+    : device_(device), scene_(scene), width_(width), height_(height), eyeLayout_(makeEyeLayout(device)),
       occlusion_(makeOcclusionPass(device, eyeLayout_)), blend_(makeBlendPass(device, scene.pageLayout(), eyeLayout_)),
       resolve_(makeResolvePass(device, eyeLayout_)), rescale_(makeRescalePass(device)),
       depthPass_(makeDepthPass(device)), overlay_(makeOverlayPass(device, eyeLayout_)), coverage_(coverage),
       unseen_(coverage != nullptr ? makeUnseenPipeline(device, *coverage, eyeLayout_) : ComputePipeline{}),
       polygons_(polygons), streams_(device, eyes) {
     assert(width > 0 && height > 0 && eyes >= 1 && eyes <= kMaxEyes);
+    if (!device.isProcessor()) makeWarps({Warp::points, Warp::mesh, Warp::adaptive, Warp::splats});
     if (polygons != nullptr) polygonPass_ = makePolygonPass(device, *polygons, eyeLayout_, 1);
     for (int eye = 0; eye < eyes; ++eye)
         eyes_.push_back({.target = makeEyeTarget(device, eyeLayout_, width, height),
@@ -86,6 +91,7 @@ FrameStats Renderer::draw(std::span<const scene::View> views, const Quality& qua
         readTimes(slot, stats.gpu);
     }
 
+    makeWarps(warpsFor(quality, scene_));
     chooseResolution(quality, overlay != nullptr && !overlay->labels.empty());
     Warped warped{{views.begin(), views.end()}, quality, picture_, scene_.changes()};
     isStanding_ = letsFramesStand_ && warped == lastWarped_;
@@ -135,6 +141,13 @@ FrameStats Renderer::draw(std::span<const scene::View> views, const Quality& qua
     ++frames_;
     last_ = stats;
     return stats;
+}
+
+void Renderer::makeWarps(const std::vector<Warp>& wanted) {
+    for (const Warp warp : wanted) {
+        WarpPass& pass = warps_[static_cast<std::size_t>(warp)];
+        if (pass.any.pipeline == VK_NULL_HANDLE) pass = makeWarpPass(device_, warp, scene_.pageLayout(), eyeLayout_);
+    }
 }
 
 void Renderer::useCoverage(const GpuCoverage* coverage) {
@@ -253,8 +266,7 @@ std::span<const SourceView> Renderer::capturedOf(const Eye& eye) const {
 
 void Renderer::list(Eye& eye, const Quality& quality, std::size_t slot, int index) {
     timed(eye.times, "list", index, [&] {
-        writeDraws(scene_.index(), scene_.places(), eye.sources, quality, eye.list,
-                   eye.warped().draws[slot].as<TileDraw>());
+        writeDraws(scene_.index(), scene_.places(), eye.sources, eye.list, eye.warped().draws[slot].as<TileDraw>());
         if (quality.isBlended)
             writeBlendDraws(scene_.index(), scene_.places(), capturedOf(eye), eye.blendList,
                             eye.blend->draws[slot].as<BlendDraw>());

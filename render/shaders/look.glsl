@@ -36,6 +36,7 @@ uint rowsSeen(uint eye, TileDraw draw, uint kindOfRun, int width, int height)
     for (int y = first.y; y <= last.y; ++y)
         for (int x = first.x; x <= last.x; ++x)
             opening = withBlock(opening, reach, ivec2(x, y), occluderAt(eye, y * across + x));
-    if (opening.last.x < opening.first.x) return kNoRows;
-    return (kindOfRun & kWholeRun) != 0u ? kAllRows : rowsIn(opening, draw, isSplats);
+    bool isHidden = opening.last.x < opening.first.x;
+    uint rows = rowsIn(opening, draw, isSplats, !isHidden && (kindOfRun & kWholeRun) == 0u);
+    return isHidden ? kNoRows : rows;
 }

@@ -64,25 +64,22 @@ void drawSquare(EyeDraw own, ivec2 corner, uint64_t key)
         for (int x = first.x; x < end.x; ++x) put(own.eye, y * constants.width + x, key);
 }
 
-void drawPixel(EyeDraw own, int x, int y, vec2 offset, float centre, uint colour)
+void drawPixel(EyeDraw own, ivec2 pixel, vec3 seen, uint colour)
 {
-    float disparity = splatDisparity(centre, offset, own.perRadius2);
-    bool isInside = uint(x) < uint(constants.width) && uint(y) < uint(constants.height);
+    float disparity = splatDisparity(seen.z, offsetOfPixel(pixel, seen.xy), own.perRadius2);
+    bool isInside = uint(pixel.x) < uint(constants.width) && uint(pixel.y) < uint(constants.height);
     if (disparity >= 0.0f && isInside)
-        put(own.eye, y * constants.width + x, packUint2x32(packKey(disparity, colour, own.levelAndClass)));
+        put(own.eye, pixel.y * constants.width + pixel.x, packUint2x32(packKey(disparity, colour, own.levelAndClass)));
 }
 
 void drawCircle(EyeDraw own, ivec2 corner, vec3 seen, uint colour) // as in warp_splats.comp
 {
     ivec2 pixel = ivec2(floor(seen.xy));
-    vec2 offset = vec2(pixel) + 0.5f - seen.xy;
-    ivec2 next = nextOfSplat(offset);
-    drawPixel(own, pixel.x, pixel.y, offset, seen.z, colour);
-    drawPixel(own, pixel.x + next.x, pixel.y + next.y, offset + vec2(next), seen.z, colour);
-    vec2 offsetOfCorner = vec2(corner) + 0.5f - seen.xy;
+    drawPixel(own, pixel, seen, colour);
+    drawPixel(own, pixel + nextOfSplat(offsetOfPixel(pixel, seen.xy)), seen, colour);
     for (int y = 0; y < own.moreRows; ++y)
         for (int x = 0; x < own.side; ++x)
-            drawPixel(own, corner.x + x, corner.y + y, offsetOfCorner + vec2(x, y), seen.z, colour);
+            drawPixel(own, corner + ivec2(x, y), seen, colour);
 }
 
 /// Conditions are gathered instead of returned upon: processors run what is behind a return all the same, and slower.

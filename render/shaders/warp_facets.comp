@@ -63,7 +63,7 @@ void drawPixel(TileDraw draw, Piece piece, uint levelAndClass, ivec2 offset)
     ivec2 pixel = piece.box.first + offset;
     int at = pixel.y * constants.width + pixel.x;
     if (texelFetch(zTexels, at).y > floatBitsToUint(sight.disparity)) return;
-    if (isByDetail(draw)) {
+    if (IS_PLAIN == 0u && isByDetail(draw)) {
         uint x = uint(max(piece.place.x + int(floor(sight.x + 0.5f)), 0));
         uint y = uint(max(piece.place.y + int(floor(sight.y + 0.5f)), 0));
         if (!isOfDetail(draw, x, y, sight.w)) return;

@@ -49,7 +49,7 @@ vec3 warpCorner(TileDraw draw, uint index, out uint colour, out bool isUsable)
 /// A square goes with its top left sample, one to the left of the one that any half of it has.
 bool isSquareOfDetail(TileDraw draw, uvec2 quad)
 {
-    if (!isByDetail(draw)) return true;
+    if (IS_PLAIN != 0u || !isByDetail(draw)) return true;
     uint place = texelFetch(vertices, int(draw.span.x + ((quad.x >> 16) & kIndexMask))).x;
     uvec2 at = columnAndRowOf(draw, place);
     return isOfDetail(draw, max(at.x, 1u) - 1u, at.y, warpSample(draw, place).z);
@@ -157,6 +157,32 @@ void drawCuts(TileDraw draw, uint levelAndClass)
     }
 }
 
+/// Squares of many pixels, each by all lanes of the subgroup. Apart from the others: a software driver goes through
+/// every branch and once through every loop, whether any lane wants to or not.
+void drawLarge(TileDraw draw, uint levelAndClass, uvec2 items)
+{
+    for (uint start = items.x; start < items.y; start += gl_WorkGroupSize.x) {
+        uint number = start + gl_LocalInvocationID.x;
+        bool isLarge = false;
+        if (number < items.y) {
+            PixelBox box = warpSquare(draw, number).box;
+            ivec2 extent = max(box.last - box.first + 1, 0);
+            isLarge = extent.x * extent.y > kLargeSquare;
+        }
+        // Not every lane of a subgroup need be there: the workgroup may be smaller.
+        uvec4 present = subgroupBallot(true), large = subgroupBallot(isLarge);
+        int lanes = int(subgroupBallotBitCount(present)), myPlace = int(subgroupBallotExclusiveBitCount(present));
+        while (large != uvec4(0u)) {
+            uint lane = subgroupBallotFindLSB(large);
+            large &= ~subgroupBallot(gl_SubgroupInvocationID == lane);
+            Square square = warpSquare(draw, subgroupBroadcast(number, lane));
+            int wide = square.box.last.x - square.box.first.x + 1;
+            int pixels = wide * (square.box.last.y - square.box.first.y + 1);
+            for (int i = myPlace; i < pixels; i += lanes) drawPixel(square, levelAndClass, ivec2(i % wide, i / wide));
+        }
+    }
+}
+
 uint rowOf(TileDraw draw, uint item)
 {
     uint right = (texelFetch(quads, int(draw.span.y + item)).x >> 16) & kIndexMask; // that any square has
@@ -171,32 +197,20 @@ void main()
     TileDraw draw = readDraw(which.draw);
     uint levelAndClass = levelAndClassOf(draw);
     uvec2 items = itemsIn(draw, which.rows);
-    for (uint start = items.x; start < items.y; start += gl_WorkGroupSize.x) {
-        uint number = start + gl_LocalInvocationID.x;
-        bool isLarge = false;
-        if (number < items.y) {
-            Square square = warpSquare(draw, number);
-            ivec2 extent = max(square.box.last - square.box.first + 1, 0);
-            int pixels = extent.x * extent.y;
-            isLarge = pixels > kLargeSquare;
-            ivec2 offset = ivec2(0);
-            for (int i = isLarge ? pixels : 0; i < pixels; ++i) {
-                drawPixel(square, levelAndClass, offset);
-                offset.x += 1;
-                if (offset.x == extent.x) offset = ivec2(0, offset.y + 1);
-            }
-        }
-        // Not every lane of a subgroup need be there: the workgroup may be smaller.
-        uvec4 present = subgroupBallot(true), large = subgroupBallot(isLarge);
-        int lanes = int(subgroupBallotBitCount(present)), myPlace = int(subgroupBallotExclusiveBitCount(present));
-        while (large != uvec4(0u)) {
-            uint lane = subgroupBallotFindLSB(large);
-            large &= ~subgroupBallot(gl_SubgroupInvocationID == lane);
-            Square square = warpSquare(draw, subgroupBroadcast(number, lane));
-            int wide = square.box.last.x - square.box.first.x + 1;
-            int pixels = wide * (square.box.last.y - square.box.first.y + 1);
-            for (int i = myPlace; i < pixels; i += lanes) drawPixel(square, levelAndClass, ivec2(i % wide, i / wide));
+    bool hasLarge = false;
+    for (uint number = items.x + gl_LocalInvocationID.x; number < items.y; number += gl_WorkGroupSize.x) {
+        Square square = warpSquare(draw, number);
+        ivec2 extent = max(square.box.last - square.box.first + 1, 0);
+        int pixels = extent.x * extent.y;
+        bool isLarge = pixels > kLargeSquare;
+        hasLarge = hasLarge || isLarge;
+        ivec2 offset = ivec2(0);
+        for (int i = isLarge ? pixels : 0; i < pixels; ++i) {
+            drawPixel(square, levelAndClass, offset);
+            offset.x += 1;
+            if (offset.x == extent.x) offset = ivec2(0, offset.y + 1);
         }
     }
-    drawCuts(draw, levelAndClass);
+    drawLarge(draw, levelAndClass, subgroupBallot(hasLarge) != uvec4(0u) ? items : uvec2(0u));
+    if (IS_PLAIN == 0u) drawCuts(draw, levelAndClass);
 }

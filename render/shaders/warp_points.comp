@@ -41,8 +41,8 @@ void main()
         vec3 seen = project(h);
         uint64_t key = packUint2x32(packKey(seen.z, vertex.y, levelAndClass));
         float left = firstOfFootprint(seen.x, size), top = firstOfFootprint(seen.y, size);
-        if (size == 1) {
-            // Comparing as floats first: far outside, the conversion to int is undefined.
+        // Compared as floats: far outside, the conversion to int is undefined.
+        if (IS_PLAIN != 0u) { // one pixel
             if (left >= 0.0f && left < width && top >= 0.0f && top < height)
                 atomicMax(zBuffer[int(top) * constants.width + int(left)], key);
             continue;

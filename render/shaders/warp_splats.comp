@@ -17,12 +17,12 @@ layout(std430, set = 1, binding = 1) buffer ZBuffer { uint64_t zBuffer[]; };
 layout(set = 1, binding = 4) uniform usamplerBuffer zTexels;
 layout(push_constant) uniform Constants { WarpConstants constants; };
 
-void drawPixel(int x, int y, vec2 offset, float centre, float perRadius2, uint colour, uint levelAndClass)
+void drawPixel(ivec2 pixel, vec3 seen, float perRadius2, uint colour, uint levelAndClass)
 {
-    float disparity = splatDisparity(centre, offset, perRadius2);
-    bool isInside = uint(x) < uint(constants.width) && uint(y) < uint(constants.height);
+    float disparity = splatDisparity(seen.z, offsetOfPixel(pixel, seen.xy), perRadius2);
+    bool isInside = uint(pixel.x) < uint(constants.width) && uint(pixel.y) < uint(constants.height);
     if (!(disparity >= 0.0f && isInside)) return;
-    int at = y * constants.width + x;
+    int at = pixel.y * constants.width + pixel.x;
     // Most of what splats cover is hidden already, and reading a texel is cheaper than an atomic that changes nothing.
     // What is read may be of a moment ago: then it is no greater than what stands there, and nothing is lost.
     if (texelFetch(zTexels, at).y > floatBitsToUint(disparity)) return;
@@ -43,7 +43,7 @@ void main()
     uint levelAndClass = levelAndClassOf(draw);
     // Alike for all samples of the tile: no invocation waits for another's wider circle.
     float radius = splatRadiusOf(draw);
-    int side = splatSideOf(radius), moreRows = coversTwoAtMost(radius) ? 0 : side;
+    int side = splatSideOf(radius);
     precise float perRadius2 = 1.0f / (radius * radius);
     float width = float(constants.width), height = float(constants.height);
     uvec2 items = itemsIn(draw, which.rows);
@@ -59,16 +59,15 @@ void main()
         float left = firstOfSplat(seen.x, radius), top = firstOfSplat(seen.y, radius);
         // Compared as floats: far outside, the conversion to int is undefined.
         if (!(left > -float(side) && left < width && top > -float(side) && top < height)) continue;
-        // Straight on, since loops cost more than what is in them: most splats cover no more.
-        ivec2 own = ivec2(floor(seen.xy));
-        vec2 offset = vec2(own) + 0.5f - seen.xy;
-        ivec2 next = nextOfSplat(offset);
-        drawPixel(own.x, own.y, offset, seen.z, perRadius2, vertex.y, levelAndClass);
-        drawPixel(own.x + next.x, own.y + next.y, offset + vec2(next), seen.z, perRadius2, vertex.y, levelAndClass);
+        if (IS_PLAIN != 0u) { // two pixels at most
+            ivec2 own = ivec2(floor(seen.xy));
+            drawPixel(own, seen, perRadius2, vertex.y, levelAndClass);
+            drawPixel(own + nextOfSplat(offsetOfPixel(own, seen.xy)), seen, perRadius2, vertex.y, levelAndClass);
+            continue;
+        }
         ivec2 first = ivec2(left, top);
-        vec2 offsetOfFirst = vec2(first) + 0.5f - seen.xy;
-        for (int y = 0; y < moreRows; ++y)
+        for (int y = 0; y < side; ++y)
             for (int x = 0; x < side; ++x)
-                drawPixel(first.x + x, first.y + y, offsetOfFirst + vec2(x, y), seen.z, perRadius2, vertex.y, levelAndClass);
+                drawPixel(first + ivec2(x, y), seen, perRadius2, vertex.y, levelAndClass);
     }
 }

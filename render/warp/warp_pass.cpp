@@ -44,8 +44,11 @@ WarpPass makeWarpPass(const Device& device, Warp warp, VkDescriptorSetLayout pag
     constexpr std::uint32_t kSharingLanes = 8; // as in shaders/read_draw.glsl
     const WarpRow row = rowOf(device, warp);
     const bool sharesReading = device.isProcessor() && row.workgroupSize == kSharingLanes;
-    return {makeComputePipeline(device, row.code, std::array{pageLayout, eyeLayout}, sizeof(WarpConstants),
-                                std::array{row.workgroupSize, std::uint32_t{sharesReading}})};
+    const auto pipelineFor = [&](bool isPlain) {
+        return makeComputePipeline(device, row.code, std::array{pageLayout, eyeLayout}, sizeof(WarpConstants),
+                                   std::array{row.workgroupSize, std::uint32_t{sharesReading}, std::uint32_t{isPlain}});
+    };
+    return {pipelineFor(false), pipelineFor(true)};
 }
 
 void bindPage(VkCommandBuffer commands, VkPipelineLayout layout, const GpuScene& scene, const DrawRun& run) {
@@ -78,16 +81,15 @@ namespace {
 template <class RecordOne>
 void recordEach(VkCommandBuffer commands, const WarpPasses& passes, VkDescriptorSet eyeSet,
                 std::span<const DrawRun> runs, RecordOne&& recordOne) {
-    const WarpPass* bound = nullptr;
+    VkPipeline bound = VK_NULL_HANDLE;
     for (std::size_t i = 0; i < runs.size(); ++i) {
-        const WarpPass& pass = passes[static_cast<std::size_t>(runs[i].warp)];
-        if (&pass != bound) {
-            vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pass.pipeline.pipeline);
-            vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pass.pipeline.layout, 1, 1, &eyeSet, 0,
-                                    nullptr);
-            bound = &pass;
+        const ComputePipeline& of = passes[static_cast<std::size_t>(runs[i].warp)].of(runs[i]);
+        if (of.pipeline != bound) {
+            vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, of.pipeline);
+            vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, of.layout, 1, 1, &eyeSet, 0, nullptr);
+            bound = of.pipeline;
         }
-        recordOne(pass.pipeline.layout, i);
+        recordOne(of.layout, i);
     }
 }
 

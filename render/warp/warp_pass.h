@@ -16,7 +16,8 @@ class GpuScene;
 struct EyeTarget;
 
 struct WarpPass {
-    ComputePipeline pipeline;
+    ComputePipeline any, plain; ///< plain: for runs of plain tiles
+    const ComputePipeline& of(const DrawRun& run) const { return run.isPlain ? plain : any; }
 };
 using WarpPasses = std::array<WarpPass, 4>; ///< by Warp
 

@@ -237,7 +237,7 @@ void eyesAtOnceAgainstInTurn(benchmark::State& state) {
             eye.planes.push_back(planesOf(eye.sources[k].eyeImageFromSource, 640, 480, 3, scene.images()[k].extent));
         cull(scene.bounds(), scene.pieces(), eye.planes, eye.visible);
         chooseDraws(scene.index(), scene.places(), eye.sources, eye.visible, {}, eye.list);
-        writeDraws(scene.index(), scene.places(), eye.sources, {}, eye.list, eye.target.draws[0].as<TileDraw>());
+        writeDraws(scene.index(), scene.places(), eye.sources, eye.list, eye.target.draws[0].as<TileDraw>());
         const VkCommandBuffer commands = streams.begin(0, static_cast<int>(i));
         recordWarp(commands, warps, scene, eye.target.sets[0], eye.list.runs, 640, 480);
         vkEndCommandBuffer(commands);

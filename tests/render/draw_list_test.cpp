@@ -1,4 +1,6 @@
 #include "render/draw_list.h"
+#include "render/shaders/shared/detail.h"
+#include "render/shaders/shared/splat.h"
 #include "tests/render/test_scenes.h"
 
 #include <gtest/gtest.h>
@@ -52,7 +54,7 @@ DrawList listOf(const Many& many, const Quality& quality, std::vector<TileDraw>&
     DrawList list;
     chooseDraws(many.scene, many.places, many.sources, many.visible, quality, list);
     draws.assign(list.tiles, {});
-    writeDraws(many.scene, many.places, many.sources, quality, list, draws);
+    writeDraws(many.scene, many.places, many.sources, list, draws);
     return list;
 }
 
@@ -96,6 +98,40 @@ TEST(DrawList, ScrapsOfTheAdaptiveMeshArePointsWhileThoseAreSmall) {
     EXPECT_EQ(fromAfar[1], 0u);
     EXPECT_EQ(fromNearby[0], 0u);
     EXPECT_GE(fromNearby[1], 400u) << "and squares";
+}
+
+/// Whether the warps' shaders for plain tiles do all that this draw wants.
+bool isPlainIndeed(const TileDraw& draw, Warp warp) {
+    switch (warp) {
+    case Warp::points:
+        return footprintOf(draw) == 1;
+    case Warp::splats:
+        return coversTwoAtMost(splatRadiusOf(draw));
+    case Warp::mesh:
+        return !isByDetail(draw) && !mayReachBehind(draw);
+    default:
+        return !isByDetail(draw);
+    }
+}
+
+TEST(DrawList, PlainTilesHaveRunsOfTheirOwn) {
+    Many many = manyTiles(2000);
+    // So near the camera that some samples are pixels and some are wider, and some squares reach behind the eye.
+    many.sources[0].eyeImageFromSource = scene::eyeImageFromSourceImage(
+        {cameraOf(1500, 1500, 1.5), poseAt({0.1, 0, 0.6}, 0.1, 0)}, cameraOf(2000, 2000, 1.5), {});
+    for (const Warp warp : {Warp::points, Warp::splats, Warp::mesh}) {
+        std::vector<TileDraw> draws;
+        std::uint32_t plain = 0, others = 0, joined = 0;
+        for (const DrawRun& run : listOf(many, {.warp = warp}, draws).runs)
+            for (std::uint32_t i = run.first; i < run.first + run.count; ++i) {
+                EXPECT_TRUE(!run.isPlain || isPlainIndeed(draws[i], warp)) << i;
+                (run.isPlain ? plain : others) += 1;
+                joined += !run.isPlain && isPlainIndeed(draws[i], warp);
+            }
+        EXPECT_GT(plain, 100u);
+        EXPECT_GT(others, 100u);
+        EXPECT_LT(joined, 100u) << "a few of each page at most";
+    }
 }
 
 TEST(DrawList, IsTheSameOnAnyNumberOfThreads) {

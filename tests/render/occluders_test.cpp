@@ -93,7 +93,7 @@ TEST(Occluders, EveryRowThatTouchesWhatIsOpenIsDrawn) {
             tileDraw(side, in(0.3f, 3), {in(-50, 600), in(-50, 400)}, {in(-20, 20), in(-20, 20)}, in(-1, 1));
         const ivec2 first(static_cast<int>(in(0, 600)), static_cast<int>(in(0, 440)));
         const Opening opening{first, first + ivec2(trial % 9)};
-        const uint drawn = rowsIn(opening, draw, false);
+        const uint drawn = rowsIn(opening, draw, false, true);
         for (int y = 0; y < side; ++y) {
             const bool isDrawn = y >= static_cast<int>(drawn & 0xffu) && y < static_cast<int>(drawn >> 8);
             ++all, rows += isDrawn ? 1 : 0;
@@ -114,11 +114,11 @@ TEST(Occluders, EveryRowThatTouchesWhatIsOpenIsDrawn) {
 
 TEST(Occluders, WhatDoesNotComeRowByRowIsDrawnWhole) {
     TileDraw draw = tileDraw(32, 1, {0, 0}, {0, 0}, 0);
-    EXPECT_NE(rowsIn({{10, 5}, {10, 5}}, draw, false), kAllRows);
+    EXPECT_NE(rowsIn({{10, 5}, {10, 5}}, draw, false, true), kAllRows);
     draw.span.w = packMark(0, kClassUnseen, kRowPlaceBits, 2);
-    EXPECT_EQ(rowsIn({{10, 5}, {10, 5}}, draw, false), kAllRows);
+    EXPECT_EQ(rowsIn({{10, 5}, {10, 5}}, draw, false, true), kAllRows);
     draw.span.w = packMark(0, 0, scene::kScrapPlaceBits, 2);
-    EXPECT_EQ(rowsIn({{10, 5}, {10, 5}}, draw, false), kAllRows);
+    EXPECT_EQ(rowsIn({{10, 5}, {10, 5}}, draw, false, true), kAllRows);
 }
 
 } // namespace

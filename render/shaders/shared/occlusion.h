@@ -113,32 +113,6 @@ SHARED_FUNCTION Sighting withPoint(Sighting sighting, vec4 h) {
     return sighting;
 }
 
-/// Positive within one edge of the image moved out by `beyond` pixels; affine in h.
-SHARED_FUNCTION float withinEdge(int edge, vec4 h, float beyond, vec2 size) {
-    if (edge == 0) return h.x + beyond * h.z;
-    if (edge == 1) return (size.x + beyond) * h.z - h.x;
-    if (edge == 2) return h.y + beyond * h.z;
-    return (size.y + beyond) * h.z - h.y;
-}
-
-/// The part of a box that is within one edge: its corners there, and where the edge cuts the box's own.
-SHARED_FUNCTION Sighting sightWithin(TileBox box, int edge, float beyond, vec2 size) {
-    Sighting sighting = noSighting();
-    for (int corner = 0; corner < 8; ++corner) {
-        vec4 from = cornerOf(box, corner);
-        float here = withinEdge(edge, from, beyond, size);
-        if (here >= 0.0f) sighting = withPoint(sighting, from);
-        for (int axis = 1; axis < 8; axis *= 2) {
-            if ((corner & axis) != 0) continue;
-            vec4 to = cornerOf(box, corner | axis);
-            float there = withinEdge(edge, to, beyond, size);
-            if ((here >= 0.0f) != (there >= 0.0f))
-                sighting = withPoint(sighting, from + (here / (here - there)) * (to - from));
-        }
-    }
-    return sighting;
-}
-
 /// Where the samples of rows of a tile may be, from row first to row last, that one included.
 SHARED_FUNCTION TileBox boxOfRows(TileDraw draw, float first, float last) {
     uint bits = placeBitsOf(draw);
@@ -169,28 +143,13 @@ SHARED_FUNCTION TileReach reachOf(TileDraw draw, bool isSplats, int width, int h
     vec2 size = vec2(float(width), float(height));
 
     Sighting sighting = sightOf(box);
-    // A wall that passes beside the eye, from before it to behind, is seen only from where it comes into the image on.
-    // Each edge by itself bounds that.
-    bool isCut = !sighting.isAllBefore;
-    if (isCut) {
-        sighting.least = vec2(-3.0e38f);
-        sighting.most = vec2(3.0e38f);
-        sighting.nearest = -1.0f;
-    }
-    for (int edge = isCut ? 0 : 4; edge < 4; ++edge) {
-        Sighting part = sightWithin(box, edge, beyond, size);
-        if (!part.isAllBefore) continue;
-        sighting.least = max(sighting.least, part.least);
-        sighting.most = min(sighting.most, part.most);
-        sighting.nearest = sighting.nearest < 0.0f ? part.nearest : min(sighting.nearest, part.nearest);
-    }
-
     vec2 first = clamp(sighting.least - beyond, vec2(0.0f), size);
     vec2 last = clamp(sighting.most + beyond, vec2(-1.0f), size - 1.0f);
     TileReach reach;
     reach.first = ivec2(int(floor(first.x)), int(floor(first.y)));
     reach.last = ivec2(int(floor(last.x)), int(floor(last.y)));
-    reach.nearest = sighting.nearest * 1.01f; // facets may leave their samples by less
+    // Facets may leave their samples by less. Few tiles reach behind the eye, and those are near.
+    reach.nearest = sighting.isAllBefore ? sighting.nearest * 1.01f : -1.0f;
     return reach;
 }
 
@@ -238,14 +197,17 @@ SHARED_FUNCTION bool comesRowByRow(TileDraw draw) {
     return placeBitsOf(draw) == kRowPlaceBits && (levelAndClassOf(draw) & 3u) != kClassUnseen;
 }
 
-/// Rows (PassedDraw) of whose samples (squares: between that row and the next) any may be seen, in whole bands.
-SHARED_FUNCTION uint rowsIn(Opening opening, TileDraw draw, bool isSplats) {
+/// Rows (PassedDraw) of whose samples (squares: between that row and the next) any may be seen, in whole bands. Not
+/// asked: all.
+SHARED_FUNCTION uint rowsIn(Opening opening, TileDraw draw, bool isSplats, bool asks) {
     const int bands = 8;
     int height = heightOf(draw), deep = (height + bands - 1) / bands;
     float beyond = beyondOf(draw, isSplats);
     int first = height, end = 0;
-    bool isWhole = !comesRowByRow(draw);
-    for (int row = 0; row < height; row += deep) {
+    bool isWhole = !asks || !comesRowByRow(draw);
+    // As the end of a loop, not a branch: processors take several tiles at once, and only loops are left early.
+    int rows = isWhole ? 0 : height;
+    for (int row = 0; row < rows; row += deep) {
         Sighting sighting = sightOf(boxOfRows(draw, float(row), float(row + deep)));
         isWhole = isWhole || !sighting.isAllBefore;
         vec2 low = sighting.least - beyond, high = sighting.most + beyond;

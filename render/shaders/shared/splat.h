@@ -39,6 +39,12 @@ SHARED_FUNCTION ivec2 nextOfSplat(vec2 offset) {
     return ivec2(isAcross ? across : 0, isAcross ? 0 : along);
 }
 
+/// From a splat's centre to that of a pixel.
+SHARED_FUNCTION vec2 offsetOfPixel(ivec2 pixel, vec2 centre) {
+    PRECISE vec2 offset = vec2(float(pixel.x), float(pixel.y)) + vec2(0.5f, 0.5f) - centre;
+    return offset;
+}
+
 /// The disparity of a splat at an offset from its centre, pixels; negative outside of it. perRadius2: 1 / radius^2.
 SHARED_FUNCTION float splatDisparity(float disparity, vec2 offset, float perRadius2) {
     PRECISE float share = (offset.x * offset.x + offset.y * offset.y) * perRadius2;
