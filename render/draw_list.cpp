@@ -170,9 +170,12 @@ bool isAllBefore(const glm::dmat4& c, const scene::SampleBox& box) {
     return least > kMargin * magnitude;
 }
 
+/// Pixels. Squares of tiles whose samples are wider may be shared among a subgroup's lanes (warp_mesh.comp).
+constexpr int kWidestPlainSquare = 8;
+
 /// How far a sample reaches in the eye, and whether the tile is plain: points of one pixel; splats of two at most; a
-/// mesh before the eye; and of meshes and facets, which ask it square by square or pixel by pixel, all is of this
-/// level.
+/// mesh before the eye, of small squares; and of meshes and facets, which ask it square by square or pixel by pixel,
+/// all is of this level.
 void findReach(const SourceView& source, const scene::SampleBox& box, const Quality& quality,
                DrawList::Chosen& chosen) {
     const glm::dmat4& c = source.eyeImageFromSource;
@@ -189,7 +192,8 @@ void findReach(const SourceView& source, const scene::SampleBox& box, const Qual
         break;
     }
     case Warp::mesh:
-        chosen.isPlain = isWhole && isAllBefore(c, box);
+        chosen.isPlain = isWhole && isAllBefore(c, box) &&
+                         scene::footprintOf(c, box, 1, kWidestPlainSquare + 1) <= kWidestPlainSquare;
         break;
     case Warp::adaptive:
         chosen.isPlain = isWhole;

@@ -202,7 +202,7 @@ void main()
         Square square = warpSquare(draw, number);
         ivec2 extent = max(square.box.last - square.box.first + 1, 0);
         int pixels = extent.x * extent.y;
-        bool isLarge = pixels > kLargeSquare;
+        bool isLarge = IS_PLAIN == 0u && pixels > kLargeSquare;
         hasLarge = hasLarge || isLarge;
         ivec2 offset = ivec2(0);
         for (int i = isLarge ? pixels : 0; i < pixels; ++i) {
@@ -211,6 +211,7 @@ void main()
             if (offset.x == extent.x) offset = ivec2(0, offset.y + 1);
         }
     }
+    if (IS_PLAIN != 0u) return;
     drawLarge(draw, levelAndClass, subgroupBallot(hasLarge) != uvec4(0u) ? items : uvec2(0u));
-    if (IS_PLAIN == 0u) drawCuts(draw, levelAndClass);
+    drawCuts(draw, levelAndClass);
 }
