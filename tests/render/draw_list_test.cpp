@@ -130,7 +130,8 @@ TEST(DrawList, PlainTilesHaveRunsOfTheirOwn) {
             }
         EXPECT_GT(plain, 100u);
         EXPECT_GT(others, 100u);
-        if (warp != Warp::mesh) EXPECT_LT(joined, 100u) << "a few of each page at most"; // its squares may be wide, too
+        if (warp == Warp::mesh) continue; // its squares may be wide, too
+        EXPECT_LT(joined, 100u) << "a few of each page at most";
     }
 }
 
