@@ -43,7 +43,7 @@ struct DrawRun {
     std::uint32_t page = 0, first = 0, count = 0; ///< count: kMaxWorkgroups at most
     Warp warp = Warp::points;
     std::uint32_t batch = 0; ///< ascending: nearer ones come before
-    bool isPlain = false;    ///< its tiles need no more of their warp than most do (isPlain in draw_list.cpp)
+    bool isPlain = false;    ///< its tiles need no more of their warp than most do (findReach in draw_list.cpp)
 };
 
 /// Whether draws of both can be put together.
