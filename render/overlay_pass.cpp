@@ -34,7 +34,7 @@ OverlayPass makeOverlayPass(const Device& device, VkDescriptorSetLayout eyeLayou
 
 OverlayBuffers makeOverlayBuffers(const Device& device, const OverlayPass& pass, int width, int height) {
     const auto room = [&](std::size_t bytes) {
-        return Buffer(device, bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, MemoryUse::hostWrites);
+        return Buffer(device, bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, MemoryUse::hostFeeds);
     };
     OverlayBuffers buffers;
     buffers.strokes = room(kMaxStrokes * sizeof(OverlayStroke));

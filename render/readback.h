@@ -26,6 +26,6 @@ struct FramePictures {
 };
 
 /// Copies the picture; the device must have finished it.
-EyeImage readBack(const EyeTarget& target, int width, int height);
+EyeImage readBack(const Device& device, const EyeTarget& target, int width, int height);
 
 } // namespace render

@@ -447,7 +447,7 @@ std::vector<EyeImage> Renderer::readBack() {
     streams_.wait((frames_ - 1) % kFramesInFlight);
     std::vector<EyeImage> images;
     for (const Eye& eye : eyes_)
-        images.push_back(render::readBack(eye.target, last_.picture.width, last_.picture.height));
+        images.push_back(render::readBack(device_, eye.target, last_.picture.width, last_.picture.height));
     return images;
 }
 

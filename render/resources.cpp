@@ -23,6 +23,8 @@ MemoryWish wishFor(MemoryUse use) {
         return {0, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT};
     case MemoryUse::hostWrites:
         return {kMapped, 0};
+    case MemoryUse::hostFeeds:
+        return {kMapped, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT};
     default:
         return {kMapped, VK_MEMORY_PROPERTY_HOST_CACHED_BIT};
     }
@@ -54,7 +56,9 @@ Buffer::Buffer(const Device& device, VkDeviceSize size, VkBufferUsageFlags usage
 
     constexpr VkMemoryPropertyFlags kMapped =
         VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
-    if ((device.memoryFlags(allocate.memoryTypeIndex) & kMapped) == kMapped) {
+    const VkMemoryPropertyFlags flags = device.memoryFlags(allocate.memoryTypeIndex);
+    if ((flags & kMapped) == kMapped) {
+        isCached_ = (flags & VK_MEMORY_PROPERTY_HOST_CACHED_BIT) != 0;
         void* address = nullptr;
         check(vkMapMemory(device, memory, 0, VK_WHOLE_SIZE, 0, &address));
         mapped_ = static_cast<std::byte*>(address);
@@ -74,6 +78,18 @@ Buffer upload(const Device& device, std::span<const std::byte> bytes, VkBufferUs
         vkCmdCopyBuffer(commands, staging.handle(), target.handle(), 1, &all);
     });
     return target;
+}
+
+Buffer download(const Device& device, const Buffer& buffer, VkDeviceSize bytes) {
+    assert(bytes <= buffer.size());
+    Buffer copy(device, bytes, VK_BUFFER_USAGE_TRANSFER_DST_BIT, MemoryUse::hostReads);
+    runAndWait(device, [&](VkCommandBuffer commands) {
+        const VkBufferCopy first{0, 0, bytes};
+        vkCmdCopyBuffer(commands, buffer.handle(), copy.handle(), 1, &first);
+        record(commands, {VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER_WRITE_BIT, VK_PIPELINE_STAGE_HOST_BIT,
+                          VK_ACCESS_HOST_READ_BIT});
+    });
+    return copy;
 }
 
 BufferView makeTexelView(const Device& device, const Buffer& buffer, VkFormat format) {

@@ -12,8 +12,9 @@ class Device;
 
 enum class MemoryUse {
     onDevice,   ///< fast for the device; may or may not be mapped
-    hostWrites, ///< mapped; written by the processor, in order, and read by the device
-    hostReads   ///< mapped; written by the device and read by the processor
+    hostWrites, ///< mapped; written by the processor, in order, and read by the device once
+    hostFeeds,  ///< the same, read often: on the device, where the processor can write there
+    hostReads   ///< mapped; written by the device, once, and read by the processor
 };
 
 /// Mapped memory is coherent: no flush, no invalidation.
@@ -29,6 +30,9 @@ class Buffer {
 
     /// Null if the processor cannot see it.
     std::byte* mapped() const { return mapped_; }
+    /// Whether the processor reads it as fast as other memory. What is mapped need not be: a graphics card's own memory
+    /// may be, word by word across the bus.
+    bool isCached() const { return isCached_; }
     /// The whole buffer as values; it must be mapped.
     template <class T>
     std::span<T> as() const {
@@ -40,10 +44,15 @@ class Buffer {
     BufferHandle buffer_;
     VkDeviceSize size_ = 0;
     std::byte* mapped_ = nullptr;
+    bool isCached_ = false;
 };
 
 /// A buffer on the device that holds these bytes (at least one). Waits until they are there.
 Buffer upload(const Device& device, std::span<const std::byte> bytes, VkBufferUsageFlags usage);
+
+/// The first bytes of a buffer (usage: transfer source) that nothing is writing any more, where the processor can read
+/// them. Waits until they are there.
+Buffer download(const Device& device, const Buffer& buffer, VkDeviceSize bytes);
 
 /// A texel: two 32-bit numbers. All that tiles hold is counted in texels: a vertex, a square or a colour is one, a
 /// facet two.

@@ -39,7 +39,7 @@ void makeDrawBuffers(const Device& device, EyeTarget& target, std::size_t most) 
                                  kTexels = kStorage | VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT;
     for (std::size_t frame = 0; frame < kFramesInFlight; ++frame) {
         target.drawTexels[frame] = {};
-        target.draws[frame] = Buffer(device, bytes, kTexels, MemoryUse::hostWrites);
+        target.draws[frame] = Buffer(device, bytes, kTexels, MemoryUse::hostFeeds);
         target.drawTexels[frame] = makeTexelView(device, target.draws[frame], VK_FORMAT_R32G32B32A32_UINT);
     }
     target.passed = Buffer(device, most * sizeof(PassedDraw), kStorage, MemoryUse::onDevice);
@@ -69,9 +69,10 @@ EyeTarget makeEyeTarget(const Device& device, VkDescriptorSetLayout eyeLayout, i
     EyeTarget target;
     target.zBuffer =
         Buffer(device, pixels * sizeof(std::uint64_t), kTexels | VK_BUFFER_USAGE_TRANSFER_DST_BIT, MemoryUse::onDevice);
-    target.colours = Buffer(device, pixels * sizeof(std::uint32_t), kTexels | VK_BUFFER_USAGE_TRANSFER_SRC_BIT,
-                            MemoryUse::hostReads);
-    target.depths = Buffer(device, pixels * sizeof(float), kTexels, MemoryUse::hostReads);
+    // On the device: every pass from resolve on reads and writes them, and few frames are read back.
+    constexpr VkBufferUsageFlags kPicture = kTexels | VK_BUFFER_USAGE_TRANSFER_SRC_BIT;
+    target.colours = Buffer(device, pixels * sizeof(std::uint32_t), kPicture, MemoryUse::onDevice);
+    target.depths = Buffer(device, pixels * sizeof(float), kPicture, MemoryUse::onDevice);
     const auto holes = static_cast<std::size_t>(pinholesAt(width, height, height));
     target.holes = Buffer(device, holes * sizeof(std::uint32_t), kStorage, MemoryUse::onDevice);
     target.zTexels = makeTexelView(device, target.zBuffer);

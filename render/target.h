@@ -23,8 +23,8 @@ inline constexpr std::uint32_t kEyeStorageBuffers = 8; ///< of them: all but the
 /// lists, which the processor writes ahead, do not.
 struct EyeTarget {
     Buffer zBuffer; ///< 64 bits per pixel, row by row
-    Buffer colours; ///< r | g << 8 | b << 16 | class << 24 per pixel; mapped
-    Buffer depths;  ///< metres along z as float per pixel; mapped
+    Buffer colours; ///< r | g << 8 | b << 16 | class << 24 per pixel
+    Buffer depths;  ///< metres along z as float per pixel
     Buffer holes;   ///< which pixels hold anything, and a list for each row (shaders/shared/hole_words.h)
     BufferView zTexels;
     Buffer occluders, passed, passedRuns; ///< see shaders/shared/occlusion.h

@@ -4,11 +4,13 @@
 #include "render/device.h"
 
 #include "spirv/fill_holes.comp.h"
-#include "spirv/hole_words.comp.h"
+#include "spirv/list_holes.comp.h"
 #include "spirv/resolve.comp.h"
 
 #include <array>
 #include <cassert>
+#include <initializer_list>
+#include <span>
 
 namespace render {
 
@@ -18,45 +20,59 @@ constexpr VkPipelineStageFlags kCompute = VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT;
 constexpr Barrier kBetween{kCompute, VK_ACCESS_SHADER_WRITE_BIT, kCompute,
                            VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT};
 
+/// Of a row, on graphics cards. A processor takes a row as one workgroup of a vector.
+constexpr std::uint32_t kResolvedTogether = 128, kWordsListedTogether = 128, kHolesFilledTogether = 64;
+/// So many holes of a row wait for one another: one hole takes long, and few rows have many.
+constexpr std::uint32_t kHolesInTurn = 4;
+
 std::uint32_t workgroupSize(const Device& device, std::uint32_t onCards) {
     return device.isProcessor() ? static_cast<std::uint32_t>(device.subgroupSize()) : onCards;
 }
 
+std::uint32_t groupsOf(int pixels, std::uint32_t size) {
+    return (static_cast<std::uint32_t>(pixels) + size - 1) / size;
+}
+
 void dispatch(VkCommandBuffer commands, const ComputePipeline& pipeline, VkDescriptorSet eyeSet,
-              const ResolveConstants& constants, int rows) {
+              const ResolveConstants& constants, std::uint32_t groupsOfRow) {
     vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline.pipeline);
     vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline.layout, 0, 1, &eyeSet, 0, nullptr);
     vkCmdPushConstants(commands, pipeline.layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof constants, &constants);
-    vkCmdDispatch(commands, static_cast<std::uint32_t>(rows), 1, 1);
+    vkCmdDispatch(commands, groupsOfRow, static_cast<std::uint32_t>(constants.height), 1);
 }
 
 } // namespace
 
 ResolvePass makeResolvePass(const Device& device, VkDescriptorSetLayout eyeLayout) {
     const std::array<VkDescriptorSetLayout, 1> sets{eyeLayout};
-    const std::uint32_t size = workgroupSize(device, 128);
-    constexpr std::uint32_t kPlain = 0, kListing = 1;
-    return {makeComputePipeline(device, kHoleWordsCode, sets, sizeof(ResolveConstants),
-                                std::array{workgroupSize(device, 32)}),
-            makeComputePipeline(device, kResolveCode, sets, sizeof(ResolveConstants), std::array{size, kPlain}),
-            makeComputePipeline(device, kResolveCode, sets, sizeof(ResolveConstants), std::array{size, kListing}),
-            makeComputePipeline(device, kFillHolesCode, sets, sizeof(ResolveConstants),
-                                std::array{workgroupSize(device, 64)})};
+    const auto make = [&](std::span<const std::uint32_t> code, std::initializer_list<std::uint32_t> constants) {
+        return makeComputePipeline(device, code, sets, sizeof(ResolveConstants),
+                                   std::span(constants.begin(), constants.size()));
+    };
+    constexpr std::uint32_t kMarksHoles = 1;
+    const std::uint32_t size = workgroupSize(device, kResolvedTogether), byWords = device.isProcessor() ? 1 : 0;
+    return {.plain = make(kResolveCode, {size, 0, byWords}),
+            .marking = make(kResolveCode, {size, kMarksHoles, byWords}),
+            .listing = make(kListHolesCode, {workgroupSize(device, kWordsListedTogether)}),
+            .filling = make(kFillHolesCode, {workgroupSize(device, kHolesFilledTogether)}),
+            .isByRows = device.isProcessor()};
 }
 
 void recordResolve(VkCommandBuffer commands, const ResolvePass& pass, VkDescriptorSet eyeSet, int width, int height,
                    const HoleFill& holes) {
     assert(holes.radius <= kMostHoleRadius);
     const ResolveConstants constants{width, height, holes};
+    const std::uint32_t groups = pass.isByRows ? 1 : groupsOf(width, kResolvedTogether);
     if (holes.radius <= 0) {
-        dispatch(commands, pass.plain, eyeSet, constants, height);
+        dispatch(commands, pass.plain, eyeSet, constants, groups);
         return;
     }
-    dispatch(commands, pass.holeWords, eyeSet, constants, height);
+    dispatch(commands, pass.marking, eyeSet, constants, groups);
     record(commands, kBetween);
-    dispatch(commands, pass.listing, eyeSet, constants, height);
+    dispatch(commands, pass.listing, eyeSet, constants, 1);
     record(commands, kBetween);
-    dispatch(commands, pass.filling, eyeSet, constants, height);
+    dispatch(commands, pass.filling, eyeSet, constants,
+             pass.isByRows ? 1 : groupsOf(width, kHolesFilledTogether * kHolesInTurn));
 }
 
 } // namespace render

@@ -10,9 +10,9 @@ namespace render {
 class Device;
 
 struct ResolvePass {
-    ComputePipeline holeWords;      ///< which pixels of the z-buffer hold anything
-    ComputePipeline plain, listing; ///< leave holes as they are; list them, too
-    ComputePipeline filling;        ///< those on the lists
+    ComputePipeline plain, marking;   ///< make the picture; tell which pixels hold anything, too
+    ComputePipeline listing, filling; ///< what of those that hold nothing may be filled; fills it
+    bool isByRows = false;            ///< one workgroup for each row of pixels
 };
 
 ResolvePass makeResolvePass(const Device& device, VkDescriptorSetLayout eyeLayout);

@@ -1,5 +1,6 @@
 #version 460
-// Fills the holes on a row's list (resolve.comp). A workgroup fills one row's: side by side, though they lie far apart.
+// Fills the holes on a row's list (list_holes.comp): side by side, though they lie far apart. One workgroup fills those of
+// a row, or several do.
 #extension GL_GOOGLE_include_directive : require
 
 #include "render/shaders/shared/hole_fill.h"
@@ -23,10 +24,11 @@ uvec2 keyAt(ivec2 pixel)
 
 void main()
 {
-    int y = int(gl_WorkGroupID.x), row = y * constants.width;
+    int y = int(gl_WorkGroupID.y), row = y * constants.width;
     int count = int(holes[holeCountAt(constants.width, constants.height, y)]);
     int columns = holeColumnsAt(constants.width, constants.height, y);
-    for (int i = int(gl_LocalInvocationID.x); i < count; i += int(gl_WorkGroupSize.x)) {
+    int invocations = int(gl_WorkGroupSize.x * gl_NumWorkGroups.x);
+    for (int i = int(gl_GlobalInvocationID.x); i < count; i += invocations) {
         int x = int(holes[columns + i]);
         uvec2 key = filled(ivec2(x, y), texelFetch(zTexels, row + x).xy, constants.fill);
         colours[row + x] = colourAndClassOf(key);

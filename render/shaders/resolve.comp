@@ -1,55 +1,92 @@
 #version 460
-// The z-buffer becomes an ordinary picture: colour with its class in the last byte, and depth in metres along z. A
-// workgroup resolves one row. What may have to be filled goes on the row's list, too, and is drawn over (fill_holes.comp):
-// few pixels are holes, and the others must not wait for them.
+// The z-buffer becomes an ordinary picture: colour with its class in the last byte, and depth in metres along z. Which
+// pixels hold anything, and which may be seen through a crack, is told by a bit each on the way, for the hole filler
+// (list_holes.comp, fill_holes.comp); and no holes are on any row's list yet.
+//
+// On a graphics card an invocation resolves a pixel: neighbours read and write what stands beside one another. On a
+// processor it resolves 32, a word of bits, one after the other, and keeps the one to the left.
 #extension GL_GOOGLE_include_directive : require
 
 #include "render/shaders/shared/hole_fill.h"
 #include "render/shaders/shared/hole_words.h"
-#include "render/shaders/shared/tile_draw.h"
 #include "render/shaders/shared/z_key.h"
 
 layout(local_size_x_id = 0) in;
-layout(constant_id = 1) const bool LISTS = true; // what may have to be filled
+layout(constant_id = 1) const bool MARKS_HOLES = true;
+layout(constant_id = 2) const bool BY_WORDS = false;
 
 layout(std430, set = 0, binding = 2) writeonly buffer Colours { uint colours[]; };
 layout(std430, set = 0, binding = 3) writeonly buffer Depths { float depths[]; };
 layout(set = 0, binding = 4) uniform usamplerBuffer zTexels;
-layout(std430, set = 0, binding = 5) buffer Holes { uint holes[]; };
+layout(std430, set = 0, binding = 5) writeonly buffer Holes { uint holes[]; };
 layout(push_constant) uniform Constants { ResolveConstants constants; };
 
-uint heldAt(int row, int word)
+const uint kMostWords = 32u; // of a workgroup
+shared uint empty[kMostWords], pinholes[kMostWords];
+
+uvec2 keyAt(int x, int y)
 {
-    int across = holeWordsAcross(constants.width);
-    bool isInside = row >= 0 && row < constants.height && word >= 0 && word < across;
-    return isInside ? holes[row * across + word] : 0u;
+    return x >= 0 && y >= 0 ? texelFetch(zTexels, y * constants.width + x).xy : uvec2(0u);
 }
 
-void list(int row, int x)
+void put(int x, int y, uvec2 key)
 {
-    uint place = atomicAdd(holes[holeCountAt(constants.width, constants.height, row)], 1u);
-    holes[holeColumnsAt(constants.width, constants.height, row) + int(place)] = uint(x);
+    colours[y * constants.width + x] = colourAndClassOf(key);
+    depths[y * constants.width + x] = depthOf(key);
 }
 
-void listHoles(int row)
+void putWord(int word, int y, uint held, uint cracks)
 {
-    int across = holeWordsAcross(constants.width);
-    for (int word = int(gl_LocalInvocationID.x); word < across; word += int(gl_WorkGroupSize.x)) {
-        uint asked = ~heldAt(row, word) & pixelsInWord(constants.width, word);
-        uint toFill = withBothEnds(row, word, asked, constants.fill.radius) |
-                      holes[pinholesAt(constants.width, constants.height, row) + word];
-        for (; toFill != 0u; toFill &= toFill - 1u)
-            list(row, word * kHoleWordBits + findLSB(toFill));
+    holes[y * holeWordsAcross(constants.width) + word] = held;
+    holes[pinholesAt(constants.width, constants.height, y) + word] = cracks;
+}
+
+void resolveWord(int word, int y)
+{
+    int first = word * kHoleWordBits, pixels = min(kHoleWordBits, constants.width - first);
+    uint held = 0u, cracks = 0u;
+    uvec2 left = MARKS_HOLES ? keyAt(first - 1, y) : uvec2(0u);
+    for (int i = 0; i < pixels; ++i) {
+        uvec2 own = keyAt(first + i, y);
+        put(first + i, y, own);
+        if (!MARKS_HOLES) continue;
+        held |= isHole(own) ? 0u : 1u << i;
+        cracks |= isPinhole(own, left, keyAt(first + i, y - 1), constants.fill) ? 1u << i : 0u;
+        left = own;
+    }
+    if (MARKS_HOLES) putWord(word, y, held, cracks);
+}
+
+void resolvePixel(int x, int y, uint lane)
+{
+    uint word = lane / uint(kHoleWordBits), bit = 1u << (lane & uint(kHoleWordBits - 1));
+    if (MARKS_HOLES) {
+        if (bit == 1u) empty[word] = pinholes[word] = 0u;
+        barrier();
+    }
+    if (x < constants.width) {
+        uvec2 own = keyAt(x, y);
+        put(x, y, own);
+        // Few are: most invocations have nothing to say.
+        if (MARKS_HOLES && isHole(own)) atomicOr(empty[word], bit);
+        if (MARKS_HOLES && isPinhole(own, keyAt(x - 1, y), keyAt(x, y - 1), constants.fill))
+            atomicOr(pinholes[word], bit);
+    }
+    if (MARKS_HOLES) {
+        barrier();
+        int at = x / kHoleWordBits;
+        if (bit == 1u && at < holeWordsAcross(constants.width))
+            putWord(at, y, ~empty[word] & pixelsInWord(constants.width, at), pinholes[word]);
     }
 }
 
 void main()
 {
-    int y = int(gl_WorkGroupID.x), row = y * constants.width;
-    if (LISTS) listHoles(y);
-    for (int x = int(gl_LocalInvocationID.x); x < constants.width; x += int(gl_WorkGroupSize.x)) {
-        uvec2 key = texelFetch(zTexels, row + x).xy;
-        colours[row + x] = colourAndClassOf(key);
-        depths[row + x] = depthOf(key);
+    int y = int(gl_WorkGroupID.y), across = holeWordsAcross(constants.width);
+    if (MARKS_HOLES && gl_GlobalInvocationID.x == 0u) holes[holeCountAt(constants.width, constants.height, y)] = 0u;
+    if (!BY_WORDS) {
+        resolvePixel(int(gl_GlobalInvocationID.x), y, gl_LocalInvocationID.x);
+        return;
     }
+    for (int word = int(gl_LocalInvocationID.x); word < across; word += int(gl_WorkGroupSize.x)) resolveWord(word, y);
 }

@@ -48,7 +48,7 @@ BlendTarget makeBlendTarget(const Device& device, const BlendPass& pass, std::si
                          MemoryUse::onDevice);
     target.pool = makeSetPool(device, kFramesInFlight, kBindings);
     for (std::size_t frame = 0; frame < kFramesInFlight; ++frame) {
-        target.draws[frame] = Buffer(device, drawBytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, MemoryUse::hostWrites);
+        target.draws[frame] = Buffer(device, drawBytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, MemoryUse::hostFeeds);
         const std::array<Bound, kBindings.size()> bound{{{target.draws[frame].handle()}, {target.sums.handle()}}};
         target.sets[frame] = allocateSet(device, target.pool, pass.layout, bound);
     }

@@ -80,7 +80,7 @@ StereoTarget makeStereoTarget(const Device& device, const StereoPass& pass, std:
     };
     target.passedSet = makeSet(target.passed);
     for (std::size_t frame = 0; frame < kFramesInFlight; ++frame) {
-        target.pairs[frame] = Buffer(device, bytes, kStorage, MemoryUse::hostWrites);
+        target.pairs[frame] = Buffer(device, bytes, kStorage, MemoryUse::hostFeeds);
         target.sets[frame] = makeSet(target.pairs[frame]);
     }
     return target;

@@ -43,9 +43,7 @@ BareScatter::BareScatter(const Device& device, std::span<const scene::TileBlock>
     : device_(device), width_(width), height_(height), timer_(device), streams_(device, 1) {
     const std::vector<Record> records = recordsOf(blocks);
     samples_ = records.size();
-    records_ =
-        Buffer(device, records.size() * sizeof(Record), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, MemoryUse::hostWrites);
-    std::memcpy(records_.mapped(), records.data(), records.size() * sizeof(Record));
+    records_ = upload(device, std::as_bytes(std::span(records)), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
     zBuffer_ = Buffer(device, static_cast<VkDeviceSize>(width) * static_cast<VkDeviceSize>(height) * 8,
                       VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT, MemoryUse::onDevice);
     constexpr std::array kBindings{Binding::storage, Binding::storage};

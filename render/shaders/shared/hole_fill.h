@@ -50,7 +50,7 @@ struct HoleFill {
 };
 
 struct ResolveConstants {
-    int width; ///< pixels; a workgroup resolves one row
+    int width; ///< pixels
     int height;
     HoleFill fill;
 };
