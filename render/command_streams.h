@@ -1,6 +1,6 @@
 #pragma once
-// Where commands are recorded: per frame in flight and eye one pool, one command buffer and one fence, so
-// that the eyes record at the same time and nobody waits but for the frame two before.
+// Where commands are recorded: per frame in flight and eye one pool and one command buffer, so that the eyes record at
+// the same time, and per frame one fence, so that nobody waits but for the frame two before.
 
 #include "render/device.h"
 #include "render/handle.h"
@@ -22,12 +22,6 @@ Recorder makeRecorder(const Device& device);
 
 Fence makeFence(const Device& device, VkFenceCreateFlags flags);
 
-/// Where the eyes of a frame are submitted to.
-enum class EyeQueues {
-    own,  ///< each to its own, where there are two
-    first ///< all to the first, one after the other, so that one may draw for both
-};
-
 class CommandStreams {
   public:
     CommandStreams(const Device& device, int eyes);
@@ -45,21 +39,19 @@ class CommandStreams {
     /// Starts an eye's commands anew; the slot must have been waited for. Different eyes may be recorded by
     /// different threads.
     VkCommandBuffer begin(std::size_t slot, int eye);
-    /// Ends and submits all eyes of a slot, the left one first. Whatever is submitted to the first queue afterwards (by
-    /// a headset's runtime) comes after both. After a frame on the first queue alone, one on both must wait for it.
-    void submit(std::size_t slot, EyeQueues queues = EyeQueues::own);
+    /// Ends and submits all eyes of a slot, the left one first: what it draws may be for both.
+    void submit(std::size_t slot);
 
   private:
-    struct Stream {
-        Recorder recorder;
-        Fence finished;   ///< signalled while nothing is running
-        Semaphore joined; ///< of an eye with a queue of its own: the first queue waits for it
+    struct Slot {
+        std::vector<Recorder> eyes;
+        Fence finished; ///< signalled while nothing is running
     };
     const Device& device_;
-    std::array<std::vector<Stream>, kFramesInFlight> slots_; ///< per eye
+    std::array<Slot, kFramesInFlight> slots_;
 };
 
-/// Records commands, submits them to the first queue and waits until they are done: for what happens once.
+/// Records commands, submits them and waits until they are done: for what happens once.
 void runAndWait(const Device& device, const std::function<void(VkCommandBuffer)>& recordCommands);
 
 /// What was written or read at some stages is finished and visible before others read or write.

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <cstring>
+#include <string_view>
 
 namespace render {
 
@@ -105,16 +106,15 @@ void Device::choosePhysical(const DeviceMaker& maker) {
     passedOver_ = describePassedOver(candidates, *chosen, nameContains);
     physical_ = candidates[*chosen].handle;
     queueFamily_ = candidates[*chosen].queueFamily;
-    queueCount_ = std::min<std::uint32_t>(candidates[*chosen].queueCount, kMaxEyes);
 }
 
 void Device::createDevice(const DeviceMaker& maker) {
-    const std::array<float, kMaxEyes> priorities{1.0f, 1.0f};
+    const float priority = 1;
     VkDeviceQueueCreateInfo queues{};
     queues.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO;
     queues.queueFamilyIndex = queueFamily_;
-    queues.queueCount = queueCount_;
-    queues.pQueuePriorities = priorities.data();
+    queues.queueCount = 1;
+    queues.pQueuePriorities = &priority;
 
     // Not all of Vulkan 1.2's features in one: runtimes of headsets add structures of their own for single ones, and
     // both together are not allowed.
@@ -135,8 +135,7 @@ void Device::createDevice(const DeviceMaker& maker) {
     info.ppEnabledExtensionNames = maker.deviceExtensions.data();
     check(maker.makeDevice ? maker.makeDevice(vkGetInstanceProcAddr, physical_, info, device_)
                            : vkCreateDevice(physical_, &info, nullptr, &device_));
-    for (std::uint32_t eye = 0; eye < kMaxEyes; ++eye)
-        vkGetDeviceQueue(device_, queueFamily_, std::min(eye, queueCount_ - 1), &queues_[eye]);
+    vkGetDeviceQueue(device_, queueFamily_, 0, &queue_);
 }
 
 void Device::describeDevice() {
@@ -153,6 +152,9 @@ void Device::describeDevice() {
     name_ = properties_.deviceName;
     driver_ = std::string(properties12.driverName) + " " + properties12.driverInfo;
     subgroupSize_ = static_cast<int>(properties11.subgroupSize);
+    const char* tuning = std::getenv("REVISIT_TUNING");
+    isProcessor_ = properties_.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU &&
+                   (tuning == nullptr || std::string_view(tuning) != "card");
     vkGetPhysicalDeviceMemoryProperties(physical_, &memory_);
 
     std::uint32_t count = 0;

@@ -46,15 +46,17 @@ class Device {
     operator VkDevice() const { return device_; }
 
     std::uint32_t queueFamily() const { return queueFamily_; }
-    /// An eye has its own queue where the family has two.
-    VkQueue queue(int eye) const { return queues_[static_cast<std::size_t>(eye)]; }
-    bool eyesShareQueue() const { return queues_[0] == queues_[1]; }
+    /// All is submitted here, by one thread at a time. Eyes with a queue each are no faster: cards take turns between
+    /// them, and what turns they take is not ours to say (docs/performance.md, A graphics card).
+    VkQueue queue() const { return queue_; }
 
     const std::string& name() const { return name_; }
     /// Better devices that lack something: "NAME lacks WHAT"; empty if there are none.
     const std::string& passedOver() const { return passedOver_; }
     const std::string& driver() const { return driver_; } ///< name and version
-    bool isProcessor() const { return properties_.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU; }
+    /// Whether the processor draws, and work is dealt out as suits it. With REVISIT_TUNING=card in the environment none
+    /// does, so that what suits graphics cards can be tested without one.
+    bool isProcessor() const { return isProcessor_; }
     const VkPhysicalDeviceLimits& limits() const { return properties_.limits; }
     int subgroupSize() const { return subgroupSize_; }
     bool hasTimestamps() const { return timestampBits_ > 0; }
@@ -88,12 +90,13 @@ class Device {
     VkDebugUtilsMessengerEXT messenger_ = VK_NULL_HANDLE;
     VkPhysicalDevice physical_ = VK_NULL_HANDLE;
     VkDevice device_ = VK_NULL_HANDLE;
-    std::array<VkQueue, kMaxEyes> queues_{};
-    std::uint32_t queueFamily_ = 0, queueCount_ = 1, timestampBits_ = 0;
+    VkQueue queue_ = VK_NULL_HANDLE;
+    std::uint32_t queueFamily_ = 0, timestampBits_ = 0;
     VkPhysicalDeviceProperties properties_{};
     VkPhysicalDeviceMemoryProperties memory_{};
     std::string name_, driver_, passedOver_;
     int subgroupSize_ = 1;
+    bool isProcessor_ = false;
     std::unique_ptr<PipelineStore> pipelines_;
     mutable std::mutex heardMutex_; ///< the layers may call from any thread
     std::vector<std::string> heard_;

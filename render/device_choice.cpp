@@ -47,7 +47,6 @@ void findQueues(Candidate& candidate) {
         return;
     }
     candidate.queueFamily = static_cast<std::uint32_t>(family - families.begin());
-    candidate.queueCount = family->queueCount;
 }
 
 void findFeatures(Candidate& candidate) {

@@ -18,7 +18,6 @@ struct Candidate {
     VkPhysicalDeviceType type = VK_PHYSICAL_DEVICE_TYPE_OTHER;
     std::vector<std::string> lacks; ///< empty: usable
     std::uint32_t queueFamily = 0;  ///< with graphics and compute, if usable
-    std::uint32_t queueCount = 0;   ///< in that family
 };
 
 /// Asks all devices of an instance.

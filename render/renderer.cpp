@@ -1,10 +1,11 @@
 #include "render/renderer.h"
 
+#include "render/shaders/shared/large_part.h"
+
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cassert>
-#include <utility>
 
 namespace render {
 
@@ -42,7 +43,7 @@ constexpr VkAccessFlags kRead = VK_ACCESS_SHADER_READ_BIT, kWrite = VK_ACCESS_SH
 constexpr Barrier kAfterLastFrame{kCompute | kTransfer, kRead | kWrite | VK_ACCESS_TRANSFER_READ_BIT,
                                   kTransfer | kCompute, VK_ACCESS_TRANSFER_WRITE_BIT | kRead | kWrite};
 constexpr Barrier kAfterClear{kTransfer, VK_ACCESS_TRANSFER_WRITE_BIT, kCompute, kRead | kWrite};
-constexpr Barrier kAfterWarp{kCompute, kRead | kWrite, kCompute, kRead};
+constexpr Barrier kAfterWarp{kCompute, kRead | kWrite, kCompute, kRead | kWrite};
 constexpr Barrier kBeforeMerge{kCompute, kRead | kWrite, kCompute, kRead | kWrite};
 constexpr Barrier kAfterResolve{kCompute, kWrite, VK_PIPELINE_STAGE_HOST_BIT | kTransfer,
                                 VK_ACCESS_HOST_READ_BIT | VK_ACCESS_TRANSFER_READ_BIT};
@@ -59,6 +60,7 @@ std::size_t pixelsOf(const PictureSize& size) {
 void recordClear(VkCommandBuffer commands, const EyeTarget& target, int width, int height) {
     const VkDeviceSize pixels = static_cast<VkDeviceSize>(width) * static_cast<VkDeviceSize>(height);
     vkCmdFillBuffer(commands, target.zBuffer.handle(), 0, pixels * sizeof(std::uint64_t), 0);
+    vkCmdFillBuffer(commands, target.holes.handle(), 0, kLargePartsHead * sizeof(std::uint32_t), 0);
 }
 
 } // namespace
@@ -101,8 +103,7 @@ FrameStats Renderer::draw(std::span<const scene::View> views, const Quality& qua
         if (!isStanding_) choose(eyes_[i], views[i], quality, static_cast<int>(i));
     });
     if (!isStanding_) makeRoom(quality);
-    const bool wasOnePass = std::exchange(isOnePass_, !isStanding_ && unite(quality, slot, stats));
-    if (wasOnePass && !isOnePass_ && !device_.eyesShareQueue()) streams_.waitForAll(); // it drew for both queues
+    isOnePass_ = !isStanding_ && unite(quality, slot, stats);
     tbb::parallel_for(std::size_t{0}, eyes_.size(), [&](std::size_t i) {
         const int index = static_cast<int>(i);
         if (!isStanding_) list(eyes_[i], quality, slot, index);
@@ -116,8 +117,7 @@ FrameStats Renderer::draw(std::span<const scene::View> views, const Quality& qua
             kept_[slot]->places.push_back(view.worldFromEye.translation);
     }
     keepsNext_ = false;
-    timed(stats.cpu, "submit", kWholeFrame,
-          [&] { streams_.submit(slot, isOnePass_ ? EyeQueues::first : EyeQueues::own); });
+    timed(stats.cpu, "submit", kWholeFrame, [&] { streams_.submit(slot); });
     lastWarped_ = std::move(warped);
 
     stats.isOnePass = isOnePass_;
@@ -236,6 +236,11 @@ bool Renderer::unite(const Quality& quality, std::size_t slot, FrameStats& stats
     return canBe;
 }
 
+bool Renderer::leavesOutHidden(const Quality& quality) const {
+    // A card draws tiles sooner than it finds out that it need not.
+    return quality.leavesOutHidden && device_.isProcessor();
+}
+
 void Renderer::choose(Eye& eye, const scene::View& given, const Quality& quality, int index) {
     assert(given.camera.width == width_ && given.camera.height == height_);
     const scene::View view{scene::resized(given.camera, eye.warpWidth, eye.warpHeight), given.worldFromEye};
@@ -253,7 +258,7 @@ void Renderer::choose(Eye& eye, const scene::View& given, const Quality& quality
     });
     timed(eye.times, "choose", index, [&] {
         chooseDraws(scene_.index(), scene_.places(), eye.sources, eye.visible, quality, eye.list,
-                    quality.leavesOutHidden ? static_cast<double>(eye.warpWidth) * eye.warpHeight : 0);
+                    leavesOutHidden(quality) ? static_cast<double>(eye.warpWidth) * eye.warpHeight : 0);
         if (quality.isBlended)
             chooseBlendDraws(scene_.index(), scene_.places(), capturedOf(eye), eye.visible, quality.blend,
                              eye.blendList);

@@ -139,6 +139,7 @@ class Renderer {
     /// What is warped into has room for so many pixels a side.
     void makeTargets(Eye& eye, const Quality& quality, int roomWidth, int roomHeight);
     void recordPolygonsInto(VkCommandBuffer commands, Eye& eye, const scene::View& view, VkDescriptorSet eyeSet);
+    bool leavesOutHidden(const Quality& quality) const;
     void choose(Eye& eye, const scene::View& view, const Quality& quality, int index);
     /// For what was chosen; waits for the device where there is not enough.
     void makeRoom(const Quality& quality);

@@ -2,6 +2,7 @@
 
 #include "render/device.h"
 #include "render/shaders/shared/hole_words.h"
+#include "render/shaders/shared/large_part.h"
 #include "render/shaders/shared/occlusion.h"
 #include "render/shaders/shared/tile_draw.h"
 #include "scene/errors.h"
@@ -22,6 +23,7 @@ static_assert(std::count(kEyeBindings.begin(), kEyeBindings.end(), Binding::stor
 constexpr std::uint32_t kDrawsBinding = 0, kPassedBinding = 7, kDrawTexelsBinding = 10;
 constexpr std::size_t kDrawTexels = sizeof(TileDraw) / 16;
 constexpr std::size_t kFirstDraws = 4096;
+constexpr std::size_t kLeastHoles = kLargePartsHead + sizeof(LargePart) / sizeof(std::uint32_t);
 
 void requireTexels(const Device& device, std::size_t texels, const std::string& what, const std::string& remedy) {
     if (texels <= device.limits().maxTexelBufferElements) return;
@@ -74,7 +76,8 @@ EyeTarget makeEyeTarget(const Device& device, VkDescriptorSetLayout eyeLayout, i
     target.colours = Buffer(device, pixels * sizeof(std::uint32_t), kPicture, MemoryUse::onDevice);
     target.depths = Buffer(device, pixels * sizeof(float), kPicture, MemoryUse::onDevice);
     const auto holes = static_cast<std::size_t>(pinholesAt(width, height, height));
-    target.holes = Buffer(device, holes * sizeof(std::uint32_t), kStorage, MemoryUse::onDevice);
+    target.holes = Buffer(device, std::max(holes, kLeastHoles) * sizeof(std::uint32_t),
+                          kStorage | VK_BUFFER_USAGE_TRANSFER_DST_BIT, MemoryUse::onDevice);
     target.zTexels = makeTexelView(device, target.zBuffer);
     const auto occluders = static_cast<std::size_t>(occludersAlong(width) * occludersAlong(height));
     target.occluders = Buffer(device, occluders * sizeof(Occluder), kTexels, MemoryUse::onDevice);

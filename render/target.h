@@ -25,7 +25,9 @@ struct EyeTarget {
     Buffer zBuffer; ///< 64 bits per pixel, row by row
     Buffer colours; ///< r | g << 8 | b << 16 | class << 24 per pixel
     Buffer depths;  ///< metres along z as float per pixel
-    Buffer holes;   ///< which pixels hold anything, and a list for each row (shaders/shared/hole_words.h)
+    /// Which pixels hold anything, and a list for each row (shaders/shared/hole_words.h); before that is asked, what
+    /// the warp's large pieces leave to others (shaders/shared/large_part.h).
+    Buffer holes;
     BufferView zTexels;
     Buffer occluders, passed, passedRuns; ///< see shaders/shared/occlusion.h
     BufferView occluderTexels;

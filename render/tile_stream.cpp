@@ -186,7 +186,7 @@ void TileStream::copyArrived(std::span<ChunkPlace> places) {
     submit.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO;
     submit.commandBufferCount = 1;
     submit.pCommandBuffers = &copy_->recorder.commands;
-    check(vkQueueSubmit(device_.queue(0), 1, &submit, copy_->done));
+    check(vkQueueSubmit(device_.queue(), 1, &submit, copy_->done));
 }
 
 std::vector<std::uint32_t> TileStream::takeDamaged() {

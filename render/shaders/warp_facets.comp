@@ -1,7 +1,8 @@
 #version 460
 // The adaptive mesh: textured facets (shared/facet.h). One workgroup draws one tile. An invocation draws a facet by
-// itself while it is small; all invocations of a subgroup draw a large one together. What is hidden already is passed
-// over before its texture is read: tiles that are likely seen come first.
+// itself while it is small; all invocations of a subgroup draw a large one together, and of a very large one graphics
+// cards list the parts, which other workgroups draw (shared/large_part.h). What is hidden already is passed over before
+// its texture is read: tiles that are likely seen come first.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
 #extension GL_EXT_shader_atomic_int64 : require
@@ -11,6 +12,7 @@
 #include "render/shaders/shared/facet.h"
 #include "render/shaders/shared/z_key.h"
 #include "render/shaders/read_draw.glsl"
+#include "render/shaders/large_parts.glsl"
 
 layout(local_size_x_id = 0) in;
 
@@ -19,8 +21,6 @@ layout(set = 0, binding = 3) uniform usamplerBuffer texels;
 layout(std430, set = 1, binding = 1) buffer ZBuffer { uint64_t zBuffer[]; };
 layout(set = 1, binding = 4) uniform usamplerBuffer zTexels;
 layout(push_constant) uniform Constants { WarpConstants constants; };
-
-const int kLargeFacet = 24; // pixels of its box
 
 struct Piece {
     Facet facet;
@@ -72,8 +72,42 @@ void drawPixel(TileDraw draw, Piece piece, uint levelAndClass, ivec2 offset)
     atomicMax(zBuffer[at], packUint2x32(packKey(sight.disparity, colour, levelAndClass)));
 }
 
+ivec2 extentOf(PixelBox box)
+{
+    return max(box.last - box.first + 1, 0);
+}
+
+/// Four lanes beside one another, the others below them, go over a part of a facet's box together.
+void drawPart(TileDraw draw, Piece piece, uint levelAndClass, BoxPart part, int myPlace, int lanes)
+{
+    int across = min(lanes, 4), down = max(lanes / 4, 1);
+    ivec2 mine = ivec2(myPlace & 3, myPlace >> 2);
+    bool takesPart = mine.x < across && mine.y < down;
+    for (int y = takesPart ? mine.y : part.extent.y; y < part.extent.y; y += down)
+        for (int x = mine.x; x < part.extent.x; x += across)
+            drawPixel(draw, piece, levelAndClass, part.first + ivec2(x, y));
+}
+
+/// By as many workgroups as there are, a part at a time.
+void drawListed()
+{
+    uint end = min(wanted, uint(parts.length()));
+    for (uint i = gl_WorkGroupID.x; i < end; i += gl_NumWorkGroups.x) {
+        LargePart part = parts[i];
+        if (!isOfRun(part, constants)) continue;
+        TileDraw draw = draws[part.draw];
+        Piece piece = pieceOf(draw, part.item);
+        drawPart(draw, piece, levelAndClassOf(draw), partOf(extentOf(piece.box), part.block),
+                 int(gl_LocalInvocationID.x), int(gl_WorkGroupSize.x));
+    }
+}
+
 void main()
 {
+    if (LARGE_PIECES == kDrawsListed) {
+        drawListed();
+        return;
+    }
     PassedDraw which = drawOf(constants.firstDraw, gl_WorkGroupID.x);
     TileDraw draw = readDraw(which.draw);
     uint levelAndClass = levelAndClassOf(draw);
@@ -82,9 +116,9 @@ void main()
         bool isLarge = false;
         if (number < draw.span.z) {
             Piece piece = pieceOf(draw, number);
-            ivec2 extent = max(piece.box.last - piece.box.first + 1, 0);
+            ivec2 extent = extentOf(piece.box);
             int pixels = extent.x * extent.y;
-            isLarge = pixels > kLargeFacet;
+            isLarge = pixels > int(LARGE_PIXELS);
             ivec2 offset = ivec2(0);
             for (int i = isLarge ? pixels : 0; i < pixels; ++i) {
                 drawPixel(draw, piece, levelAndClass, offset);
@@ -92,21 +126,17 @@ void main()
                 if (offset.x == extent.x) offset = ivec2(0, offset.y + 1);
             }
         }
-        // Not every lane of a subgroup need be there: the workgroup may be smaller. Four lanes beside one another,
-        // the others below them, go over the box together.
+        // Not every lane of a subgroup need be there: the workgroup may be smaller.
         uvec4 present = subgroupBallot(true), large = subgroupBallot(isLarge);
         int lanes = int(subgroupBallotBitCount(present)), myPlace = int(subgroupBallotExclusiveBitCount(present));
-        int across = min(lanes, 4), down = max(lanes / 4, 1);
-        ivec2 mine = ivec2(myPlace & 3, myPlace >> 2);
         while (large != uvec4(0u)) {
             uint lane = subgroupBallotFindLSB(large);
             large &= ~subgroupBallot(gl_SubgroupInvocationID == lane);
-            Piece piece = pieceOf(draw, subgroupBroadcast(number, lane));
-            ivec2 extent = piece.box.last - piece.box.first + 1;
-            bool takesPart = mine.x < across && mine.y < down;
-            for (int y = takesPart ? mine.y : extent.y; y < extent.y; y += down)
-                for (int x = mine.x; x < extent.x; x += across)
-                    drawPixel(draw, piece, levelAndClass, ivec2(x, y));
+            uint theirs = subgroupBroadcast(number, lane);
+            Piece piece = pieceOf(draw, theirs);
+            ivec2 extent = extentOf(piece.box);
+            if (listParts(which.draw, theirs, extent, myPlace, lanes)) continue;
+            drawPart(draw, piece, levelAndClass, wholeOf(extent), myPlace, lanes);
         }
     }
 }

@@ -3,7 +3,8 @@
 // are smaller than a pixel: fixed hardware is built for larger ones, and a software driver sets each up one by one.
 //
 // One workgroup draws one tile. An invocation draws a square by itself while it is small; all invocations of a subgroup
-// draw a large one together, so that a wall before the eye stalls nobody. Each square warps its four samples anew: that
+// draw a large one together, and of a very large one graphics cards list the parts, which other workgroups draw
+// (shared/large_part.h), so that a wall before the eye stalls nobody. Each square warps its four samples anew: that
 // costs less than sharing them does.
 //
 // Half a square that reaches from before the eye to behind it has no place on the screen for its corners: it is turned
@@ -19,6 +20,7 @@
 #include "render/shaders/shared/triangle.h"
 #include "render/shaders/shared/z_key.h"
 #include "render/shaders/read_draw.glsl"
+#include "render/shaders/large_parts.glsl"
 
 layout(local_size_x_id = 0) in;
 
@@ -28,7 +30,6 @@ layout(std430, set = 1, binding = 1) buffer ZBuffer { uint64_t zBuffer[]; };
 layout(push_constant) uniform Constants { WarpConstants constants; };
 
 const uint kIndexMask = 0x7fffu, kDrawn = 1u << 15;
-const int kLargeSquare = 256; // pixels of its box
 
 struct Square {
     vec3 topLeft, topRight, bottomLeft, bottomRight; // projected
@@ -94,22 +95,16 @@ void drawPixel(Square s, uint levelAndClass, ivec2 offset)
     atomicMax(zBuffer[pixel.y * constants.width + pixel.x], packUint2x32(packKey(disparity, colour, levelAndClass)));
 }
 
-/// Half a square that reaches behind the eye, with its corners in the order of mixColours.
-void drawCut(vec4 a, vec4 b, vec4 c, uvec3 colours, uint levelAndClass, int myPlace, int lanes)
+ivec2 extentOf(PixelBox box)
 {
-    Facet facet = facetOfTriangle(a, b, c);
-    PixelBox box = boxOfCut(a, b, c, c, vec2(constants.width, constants.height));
-    FacetView view = turnRound(facet, vec2(box.first) + 0.5f);
-    ivec2 extent = max(box.last - box.first + 1, 0);
-    for (int i = myPlace; i < extent.x * extent.y; i += lanes) {
-        ivec2 offset = ivec2(i % extent.x, i / extent.x);
-        FacetSight sight = look(facet, view, vec2(offset));
-        if (sight.disparity < 0.0f) continue;
-        uint colour = mixColours(colours.x, colours.y, colours.z, sight.x, sight.y);
-        ivec2 pixel = box.first + offset;
-        atomicMax(zBuffer[pixel.y * constants.width + pixel.x],
-                  packUint2x32(packKey(sight.disparity, colour, levelAndClass)));
-    }
+    return max(box.last - box.first + 1, 0);
+}
+
+void drawPart(Square square, uint levelAndClass, BoxPart part, int myPlace, int lanes)
+{
+    int pixels = part.extent.x * part.extent.y;
+    for (int i = myPlace; i < pixels; i += lanes)
+        drawPixel(square, levelAndClass, part.first + ivec2(i % part.extent.x, i / part.extent.x));
 }
 
 vec4 cornerOf(TileDraw draw, uint index, out uint colour)
@@ -120,6 +115,39 @@ vec4 cornerOf(TileDraw draw, uint index, out uint colour)
 }
 
 const uint kUpper = 1u, kLower = 2u;
+
+/// Half a square that reaches behind the eye, turned round.
+struct Cut {
+    Facet facet;
+    FacetView view;
+    PixelBox box;
+    uvec3 colours; // of its corners, in the order of mixColours
+};
+
+Cut cutOf(TileDraw draw, uint number, uint half_)
+{
+    uvec2 quad = texelFetch(quads, int(draw.span.y + number)).xy;
+    Cut cut;
+    vec4 a = cornerOf(draw, half_ == kLower ? quad.y >> 16 : quad.x, cut.colours.x);
+    vec4 b = cornerOf(draw, quad.x >> 16, cut.colours.y), c = cornerOf(draw, quad.y, cut.colours.z);
+    cut.facet = facetOfTriangle(a, b, c);
+    cut.box = boxOfCut(a, b, c, c, vec2(constants.width, constants.height));
+    cut.view = turnRound(cut.facet, vec2(cut.box.first) + 0.5f);
+    return cut;
+}
+
+void drawCutPart(Cut cut, uint levelAndClass, BoxPart part, int myPlace, int lanes)
+{
+    for (int i = myPlace; i < part.extent.x * part.extent.y; i += lanes) {
+        ivec2 offset = part.first + ivec2(i % part.extent.x, i / part.extent.x);
+        FacetSight sight = look(cut.facet, cut.view, vec2(offset));
+        if (sight.disparity < 0.0f) continue;
+        uint colour = mixColours(cut.colours.x, cut.colours.y, cut.colours.z, sight.x, sight.y);
+        ivec2 pixel = cut.box.first + offset;
+        atomicMax(zBuffer[pixel.y * constants.width + pixel.x],
+                  packUint2x32(packKey(sight.disparity, colour, levelAndClass)));
+    }
+}
 
 /// Which halves of a square reach behind the eye.
 uint cutHalvesOf(TileDraw draw, uint number)
@@ -134,7 +162,10 @@ uint cutHalvesOf(TileDraw draw, uint number)
     return isSquareOfDetail(draw, quad) ? (upper ? kUpper : 0u) | (lower ? kLower : 0u) : 0u;
 }
 
-void drawCuts(TileDraw draw, uint levelAndClass)
+/// Items of the list of large parts: a square's number, and which half, if it is cut.
+const uint kHalfShift = 30u, kItemBits = (1u << kHalfShift) - 1u;
+
+void drawCuts(TileDraw draw, uint drawNumber, uint levelAndClass)
 {
     uint end = mayReachBehind(draw) ? draw.span.z : 0u;
     for (uint start = 0u; start < end; start += gl_WorkGroupSize.x) {
@@ -145,13 +176,12 @@ void drawCuts(TileDraw draw, uint levelAndClass)
         while (cut != uvec4(0u)) {
             uint lane = subgroupBallotFindLSB(cut);
             cut &= ~subgroupBallot(gl_SubgroupInvocationID == lane);
-            uvec2 quad = texelFetch(quads, int(draw.span.y + subgroupBroadcast(number, lane))).xy;
-            uint drawn = subgroupBroadcast(halves, lane);
+            uint theirs = subgroupBroadcast(number, lane), drawn = subgroupBroadcast(halves, lane);
             for (uint half_ = drawn == kLower ? kLower : kUpper; half_ <= min(drawn, kLower); ++half_) {
-                uvec3 colours;
-                vec4 a = cornerOf(draw, half_ == kLower ? quad.y >> 16 : quad.x, colours.x);
-                vec4 b = cornerOf(draw, quad.x >> 16, colours.y), c = cornerOf(draw, quad.y, colours.z);
-                drawCut(a, b, c, colours, levelAndClass, myPlace, lanes);
+                Cut part = cutOf(draw, theirs, half_);
+                ivec2 extent = extentOf(part.box);
+                if (listParts(drawNumber, theirs | half_ << kHalfShift, extent, myPlace, lanes)) continue;
+                drawCutPart(part, levelAndClass, wholeOf(extent), myPlace, lanes);
             }
         }
     }
@@ -159,15 +189,14 @@ void drawCuts(TileDraw draw, uint levelAndClass)
 
 /// Squares of many pixels, each by all lanes of the subgroup. Apart from the others: a software driver goes through
 /// every branch and once through every loop, whether any lane wants to or not.
-void drawLarge(TileDraw draw, uint levelAndClass, uvec2 items)
+void drawLarge(TileDraw draw, uint drawNumber, uint levelAndClass, uvec2 items)
 {
     for (uint start = items.x; start < items.y; start += gl_WorkGroupSize.x) {
         uint number = start + gl_LocalInvocationID.x;
         bool isLarge = false;
         if (number < items.y) {
-            PixelBox box = warpSquare(draw, number).box;
-            ivec2 extent = max(box.last - box.first + 1, 0);
-            isLarge = extent.x * extent.y > kLargeSquare;
+            ivec2 extent = extentOf(warpSquare(draw, number).box);
+            isLarge = extent.x * extent.y > int(LARGE_PIXELS);
         }
         // Not every lane of a subgroup need be there: the workgroup may be smaller.
         uvec4 present = subgroupBallot(true), large = subgroupBallot(isLarge);
@@ -175,10 +204,31 @@ void drawLarge(TileDraw draw, uint levelAndClass, uvec2 items)
         while (large != uvec4(0u)) {
             uint lane = subgroupBallotFindLSB(large);
             large &= ~subgroupBallot(gl_SubgroupInvocationID == lane);
-            Square square = warpSquare(draw, subgroupBroadcast(number, lane));
-            int wide = square.box.last.x - square.box.first.x + 1;
-            int pixels = wide * (square.box.last.y - square.box.first.y + 1);
-            for (int i = myPlace; i < pixels; i += lanes) drawPixel(square, levelAndClass, ivec2(i % wide, i / wide));
+            uint theirs = subgroupBroadcast(number, lane);
+            Square square = warpSquare(draw, theirs);
+            ivec2 extent = extentOf(square.box);
+            if (listParts(drawNumber, theirs, extent, myPlace, lanes)) continue;
+            drawPart(square, levelAndClass, wholeOf(extent), myPlace, lanes);
+        }
+    }
+}
+
+/// By as many workgroups as there are, a part at a time.
+void drawListed()
+{
+    int myPlace = int(gl_LocalInvocationID.x), lanes = int(gl_WorkGroupSize.x);
+    uint end = min(wanted, uint(parts.length()));
+    for (uint i = gl_WorkGroupID.x; i < end; i += gl_NumWorkGroups.x) {
+        LargePart part = parts[i];
+        if (!isOfRun(part, constants)) continue;
+        TileDraw draw = draws[part.draw];
+        uint levelAndClass = levelAndClassOf(draw), half_ = part.item >> kHalfShift, number = part.item & kItemBits;
+        if (half_ != 0u) {
+            Cut cut = cutOf(draw, number, half_);
+            drawCutPart(cut, levelAndClass, partOf(extentOf(cut.box), part.block), myPlace, lanes);
+        } else {
+            Square square = warpSquare(draw, number);
+            drawPart(square, levelAndClass, partOf(extentOf(square.box), part.block), myPlace, lanes);
         }
     }
 }
@@ -193,6 +243,10 @@ uint rowOf(TileDraw draw, uint item)
 
 void main()
 {
+    if (LARGE_PIECES == kDrawsListed) {
+        drawListed();
+        return;
+    }
     PassedDraw which = drawOf(constants.firstDraw, gl_WorkGroupID.x);
     TileDraw draw = readDraw(which.draw);
     uint levelAndClass = levelAndClassOf(draw);
@@ -200,9 +254,9 @@ void main()
     bool hasLarge = false;
     for (uint number = items.x + gl_LocalInvocationID.x; number < items.y; number += gl_WorkGroupSize.x) {
         Square square = warpSquare(draw, number);
-        ivec2 extent = max(square.box.last - square.box.first + 1, 0);
+        ivec2 extent = extentOf(square.box);
         int pixels = extent.x * extent.y;
-        bool isLarge = IS_PLAIN == 0u && pixels > kLargeSquare;
+        bool isLarge = IS_PLAIN == 0u && pixels > int(LARGE_PIXELS);
         hasLarge = hasLarge || isLarge;
         ivec2 offset = ivec2(0);
         for (int i = isLarge ? pixels : 0; i < pixels; ++i) {
@@ -212,6 +266,6 @@ void main()
         }
     }
     if (IS_PLAIN != 0u) return;
-    drawLarge(draw, levelAndClass, subgroupBallot(hasLarge) != uvec4(0u) ? items : uvec2(0u));
-    drawCuts(draw, levelAndClass);
+    drawLarge(draw, which.draw, levelAndClass, subgroupBallot(hasLarge) != uvec4(0u) ? items : uvec2(0u));
+    drawCuts(draw, which.draw, levelAndClass);
 }

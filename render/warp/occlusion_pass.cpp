@@ -77,6 +77,7 @@ void recordWarpInBatches(VkCommandBuffer commands, const OcclusionPass& pass, co
                          const GpuScene& scene, VkDescriptorSet eyeSet, const EyeTarget& target,
                          std::span<const DrawRun> runs, int width, int height, bool closesGaps) {
     bool hasLooked = false;
+    const std::span<const DrawRun> all = runs;
     while (!runs.empty()) {
         const std::span<const DrawRun> now = takeBatch(runs);
         if (now.front().batch == 0 || now.size() > kMostTestedRuns) {
@@ -100,6 +101,7 @@ void recordWarpInBatches(VkCommandBuffer commands, const OcclusionPass& pass, co
         });
         recordPassed(commands, warps, scene, eyeSet, target, now, width, height);
     }
+    recordListed(commands, warps, scene, eyeSet, all, width, height);
 }
 
 } // namespace render

@@ -96,7 +96,7 @@ void recordStereoWarp(VkCommandBuffer commands, const StereoPass& pass, const Oc
         if (now.front().batch == 0) {
             for (const DrawRun& run : now) {
                 const ComputePipeline& pipeline = useForRun(commands, pass, scene, run, eyeSets, target.sets[slot]);
-                push(commands, pipeline, WarpConstants{run.first, width, height});
+                push(commands, pipeline, WarpConstants{run.first, width, height, 0});
                 vkCmdDispatch(commands, run.count, 1, 1);
             }
             continue;
@@ -116,7 +116,7 @@ void recordStereoWarp(VkCommandBuffer commands, const StereoPass& pass, const Oc
         });
         for (std::size_t i = 0; i < now.size(); ++i) {
             const ComputePipeline& pipeline = useForRun(commands, pass, scene, now[i], eyeSets, target.passedSet);
-            push(commands, pipeline, WarpConstants{now[i].first, width, height});
+            push(commands, pipeline, WarpConstants{now[i].first, width, height, 0});
             vkCmdDispatchIndirect(commands, target.passedRuns.handle(), i * sizeof(PassedRun));
         }
     }

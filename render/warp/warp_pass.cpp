@@ -1,7 +1,9 @@
 #include "render/warp/warp_pass.h"
 
+#include "render/command_streams.h"
 #include "render/device.h"
 #include "render/gpu_scene.h"
+#include "render/shaders/shared/large_part.h"
 #include "render/shaders/shared/occlusion.h"
 #include "render/target.h"
 #include "spirv/warp_facets.comp.h"
@@ -20,16 +22,20 @@ namespace {
 struct WarpRow {
     std::span<const std::uint32_t> code;
     std::uint32_t workgroupSize;
+    std::uint32_t largePixels = 0; ///< pieces of more are drawn by a subgroup; 0: none are
 };
+
+/// So many workgroups take parts from the list of large pieces. Most frames have none.
+constexpr std::uint32_t kListedTogether = 1024;
 
 /// A processor runs a workgroup vector by vector, and starts each anew: one vector that loops is cheapest.
 WarpRow rowOf(const Device& device, Warp warp) {
     const auto vectorWidth = static_cast<std::uint32_t>(device.subgroupSize());
     switch (warp) {
     case Warp::adaptive:
-        return {kWarpFacetsCode, device.isProcessor() ? vectorWidth : 64};
+        return {kWarpFacetsCode, device.isProcessor() ? vectorWidth : 64, 24};
     case Warp::mesh:
-        return {kWarpMeshCode, device.isProcessor() ? vectorWidth : 64};
+        return {kWarpMeshCode, device.isProcessor() ? vectorWidth : 64, device.isProcessor() ? 256u : 64u};
     case Warp::splats:
         return {kWarpSplatsCode, device.isProcessor() ? vectorWidth : 128};
     default:
@@ -44,11 +50,15 @@ WarpPass makeWarpPass(const Device& device, Warp warp, VkDescriptorSetLayout pag
     constexpr std::uint32_t kSharingLanes = 8; // as in shaders/read_draw.glsl
     const WarpRow row = rowOf(device, warp);
     const bool sharesReading = device.isProcessor() && row.workgroupSize == kSharingLanes;
-    const auto pipelineFor = [&](bool isPlain) {
+    const auto pipelineFor = [&](bool isPlain, std::uint32_t largePieces) {
         return makeComputePipeline(device, row.code, std::array{pageLayout, eyeLayout}, sizeof(WarpConstants),
-                                   std::array{row.workgroupSize, std::uint32_t{sharesReading}, std::uint32_t{isPlain}});
+                                   std::array{row.workgroupSize, std::uint32_t{sharesReading}, std::uint32_t{isPlain},
+                                              largePieces, row.largePixels});
     };
-    return {pipelineFor(false), pipelineFor(true)};
+    // A processor has no more workers than tiles.
+    if (row.largePixels == 0 || device.isProcessor())
+        return {pipelineFor(false, kDrawsLarge), pipelineFor(true, kDrawsLarge), {}};
+    return {pipelineFor(false, kListsLarge), pipelineFor(true, kListsLarge), pipelineFor(false, kDrawsListed)};
 }
 
 void bindPage(VkCommandBuffer commands, VkPipelineLayout layout, const GpuScene& scene, const DrawRun& run) {
@@ -64,7 +74,7 @@ void recordRun(VkCommandBuffer commands, VkPipelineLayout layout, const GpuScene
                int height) {
     bindPage(commands, layout, scene, run);
     for (std::uint32_t done = 0; done < run.count; done += kMaxWorkgroups) {
-        push(commands, layout, {run.first + done, width, height});
+        push(commands, layout, {run.first + done, width, height, 0});
         vkCmdDispatch(commands, std::min(run.count - done, kMaxWorkgroups), 1, 1);
     }
 }
@@ -107,9 +117,28 @@ void recordPassed(VkCommandBuffer commands, const WarpPasses& passes, const GpuS
     recordEach(commands, passes, eyeSet, runs, [&](VkPipelineLayout layout, std::size_t i) {
         assert(runs[i].count <= kMaxWorkgroups);
         bindPage(commands, layout, scene, runs[i]);
-        push(commands, layout, {runs[i].first | kAmongPassed, width, height});
+        push(commands, layout, {runs[i].first | kAmongPassed, width, height, 0});
         vkCmdDispatchIndirect(commands, target.passedRuns.handle(), i * sizeof(PassedRun));
     });
+}
+
+void recordListed(VkCommandBuffer commands, const WarpPasses& passes, const GpuScene& scene, VkDescriptorSet eyeSet,
+                  std::span<const DrawRun> runs, int width, int height) {
+    constexpr VkAccessFlags kBoth = VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT;
+    constexpr VkPipelineStageFlags kCompute = VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT;
+    bool isFirst = true;
+    for (const DrawRun& run : runs) {
+        const ComputePipeline& listed = passes[static_cast<std::size_t>(run.warp)].listed;
+        const bool hasNone = run.isPlain && run.warp == Warp::mesh;
+        if (listed.pipeline == VK_NULL_HANDLE || hasNone) continue;
+        if (isFirst) record(commands, {kCompute, kBoth, kCompute, kBoth});
+        isFirst = false;
+        vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, listed.pipeline);
+        vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, listed.layout, 1, 1, &eyeSet, 0, nullptr);
+        bindPage(commands, listed.layout, scene, run);
+        push(commands, listed.layout, {run.first, width, height, run.count});
+        vkCmdDispatch(commands, kListedTogether, 1, 1);
+    }
 }
 
 } // namespace render

@@ -17,6 +17,9 @@ struct EyeTarget;
 
 struct WarpPass {
     ComputePipeline any, plain; ///< plain: for runs of plain tiles
+    /// Draws parts of large pieces that the others have put on a list (shaders/shared/large_part.h); none if they do
+    /// not.
+    ComputePipeline listed;
     const ComputePipeline& of(const DrawRun& run) const { return run.isPlain ? plain : any; }
 };
 using WarpPasses = std::array<WarpPass, 4>; ///< by Warp
@@ -32,6 +35,10 @@ void recordRuns(VkCommandBuffer commands, VkPipelineLayout layout, const GpuScen
 /// Draws the runs, each by its own warp, into the z-buffer of eyeSet: one workgroup per tile.
 void recordWarp(VkCommandBuffer commands, const WarpPasses& passes, const GpuScene& scene, VkDescriptorSet eyeSet,
                 std::span<const DrawRun> runs, int width, int height);
+
+/// What the runs' large pieces have left to other workgroups; after all of them, on devices that do so.
+void recordListed(VkCommandBuffer commands, const WarpPasses& passes, const GpuScene& scene, VkDescriptorSet eyeSet,
+                  std::span<const DrawRun> runs, int width, int height);
 
 /// The same for what has passed a test (render/warp/occlusion_pass.h): how many of run i, the device knows.
 void recordPassed(VkCommandBuffer commands, const WarpPasses& passes, const GpuScene& scene, VkDescriptorSet eyeSet,

@@ -28,6 +28,7 @@ struct WarpConstants {
     uint firstDraw; ///< of the workgroup with number 0; with kAmongPassed among the draws that have passed a look
     int width;      ///< of the eye's image, pixels
     int height;
+    uint count; ///< of draws from firstDraw on, where parts that are listed are drawn (large_part.h)
 };
 SHARED_CONSTANT uint kAmongPassed = 0x80000000u;
 
@@ -41,7 +42,7 @@ SHARED_CONSTANT uint kAllRows = 0xff00u, kNoRows = 0u;
 #ifdef __cplusplus
 static_assert(sizeof(PassedDraw) == 8);
 static_assert(sizeof(TileDraw) == 112 && alignof(TileDraw) == 4);
-static_assert(sizeof(WarpConstants) == 12);
+static_assert(sizeof(WarpConstants) == 16);
 #endif
 
 /// What a draw's samples have in common, in span.w: order level and class (both as in a key), the bits of a coordinate

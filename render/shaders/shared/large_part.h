@@ -1,0 +1,60 @@
+#ifndef RENDER_SHADERS_SHARED_LARGE_PART_H
+#define RENDER_SHADERS_SHARED_LARGE_PART_H
+// Pieces of a tile (squares of the mesh, facets) that cover many pixels: right before a wall a few of them cover the
+// picture, and the one workgroup that draws their tile would be all that works. A graphics card puts parts of them on a
+// list instead, and as many workgroups as it has draw those.
+//
+// The list lies where the holes of the picture do (shared/hole_words.h), which are looked for later: the number of
+// parts that wanted to be on it, three words, and the parts.
+
+#include "render/shaders/shared/language.h"
+
+SHARED_BEGIN
+
+SHARED_CONSTANT int kPartSide = 32; ///< pixels
+
+struct LargePart {
+    uint draw;  ///< of the list of draws, or kNoPart: nothing
+    uint item;  ///< of the draw, as its warp numbers them
+    uint block; ///< of the piece's box on the screen: kPartSide pixels a side, row by row
+};
+
+SHARED_CONSTANT uint kNoPart = 0xffffffffu;
+SHARED_CONSTANT uint kLargePartsHead = 4u; ///< words before the first
+
+/// What a pipeline does with large pieces: draws them; lists them; draws those that are listed.
+SHARED_CONSTANT uint kDrawsLarge = 0u, kListsLarge = 1u, kDrawsListed = 2u;
+
+#ifdef __cplusplus
+static_assert(sizeof(LargePart) == 12);
+#endif
+
+/// Part of a box of pixels, from its first on.
+struct BoxPart {
+    ivec2 first;
+    ivec2 extent;
+};
+
+SHARED_FUNCTION uint partsOf(ivec2 extent) {
+    int across = (extent.x + kPartSide - 1) / kPartSide, down = (extent.y + kPartSide - 1) / kPartSide;
+    return uint(across * down);
+}
+
+SHARED_FUNCTION BoxPart partOf(ivec2 extent, uint block) {
+    int across = (extent.x + kPartSide - 1) / kPartSide;
+    BoxPart part;
+    part.first = ivec2(kPartSide * (int(block) % across), kPartSide * (int(block) / across));
+    part.extent = ivec2(min(extent.x - part.first.x, kPartSide), min(extent.y - part.first.y, kPartSide));
+    return part;
+}
+
+SHARED_FUNCTION BoxPart wholeOf(ivec2 extent) {
+    BoxPart part;
+    part.first = ivec2(0, 0);
+    part.extent = extent;
+    return part;
+}
+
+SHARED_END
+
+#endif
