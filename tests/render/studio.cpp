@@ -42,16 +42,16 @@ CutScene movedBy(CutScene scene, const glm::dvec3& offset) {
     return scene;
 }
 
-Studio::Studio(CutScene cut, const scene::Coverage* coverage)
-    : cut_(std::move(cut)), scene_(testDevice(), cut_.blocks()) {
-    if (coverage != nullptr) coverage_.emplace(testDevice(), *coverage);
+Studio::Studio(CutScene cut, const scene::Coverage* coverage, const Device& device)
+    : device_(device), cut_(std::move(cut)), scene_(device, cut_.blocks()) {
+    if (coverage != nullptr) coverage_.emplace(device, *coverage);
 }
 
 EyeImage Studio::draw(const scene::View& view, const Quality& quality, const Overlay* overlay) {
     if (!renderer_ || width_ != view.camera.width || height_ != view.camera.height) {
         renderer_.reset();
         width_ = view.camera.width, height_ = view.camera.height;
-        renderer_.emplace(testDevice(), scene_, width_, height_, 1, coverage_ ? &*coverage_ : nullptr);
+        renderer_.emplace(device_, scene_, width_, height_, 1, coverage_ ? &*coverage_ : nullptr);
     }
     renderer_->draw(std::span(&view, 1), quality, {}, overlay);
     return renderer_->readBack()[0];

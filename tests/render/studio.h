@@ -38,7 +38,7 @@ CutScene movedBy(CutScene scene, const glm::dvec3& offset);
 /// A scene on the device, and an eye of any size on it.
 class Studio {
   public:
-    explicit Studio(CutScene cut, const scene::Coverage* coverage = nullptr);
+    explicit Studio(CutScene cut, const scene::Coverage* coverage = nullptr, const Device& device = testDevice());
 
     EyeImage draw(const scene::View& view, const Quality& quality, const Overlay* overlay = nullptr);
 
@@ -46,6 +46,7 @@ class Studio {
     std::optional<scene::EyeImage> drawByProcessor(const scene::View& view, const Quality& quality) const;
 
   private:
+    const Device& device_;
     CutScene cut_;
     GpuScene scene_;
     std::optional<GpuCoverage> coverage_;
