@@ -87,7 +87,7 @@ TEST_F(CardTest, WhatIsTooMuchForTheListIsDrawnAllTheSame) {
     ASSERT_GT(kWalls * partsOf({eye.width, eye.height}), room);
     std::vector<scene::DepthImage> images;
     for (int i = 0; i < kWalls; ++i)
-        images.push_back(takePlane(cameraOf(16, 16, 1.5), {0, 0, 1}, 2 + 1e-5 * i));
+        images.push_back(takePlane(cameraOf(16, 16, 1.5), {0, 0, 1}, 2 - 1e-5 * i)); // the nearest comes last
     const scene::View view{eye, poseAt({0, 0, 1.99}, 0.1, 0)};
     expectSamePictures(cutInLevels(std::move(images)), std::array{view});
 }
