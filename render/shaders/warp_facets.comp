@@ -12,14 +12,13 @@
 #include "render/shaders/shared/facet.h"
 #include "render/shaders/shared/z_key.h"
 #include "render/shaders/read_draw.glsl"
+#include "render/shaders/z_buffer.glsl"
 #include "render/shaders/large_parts.glsl"
 
 layout(local_size_x_id = 0) in;
 
 layout(set = 0, binding = 2) uniform usamplerBuffer facets;
 layout(set = 0, binding = 3) uniform usamplerBuffer texels;
-layout(std430, set = 1, binding = 1) buffer ZBuffer { uint64_t zBuffer[]; };
-layout(set = 1, binding = 4) uniform usamplerBuffer zTexels;
 layout(push_constant) uniform Constants { WarpConstants constants; };
 
 struct Piece {
@@ -62,7 +61,7 @@ void drawPixel(TileDraw draw, Piece piece, uint levelAndClass, ivec2 offset)
     if (sight.disparity < 0.0f) return;
     ivec2 pixel = piece.box.first + offset;
     int at = pixel.y * constants.width + pixel.x;
-    if (texelFetch(zTexels, at).y > floatBitsToUint(sight.disparity)) return;
+    if (isHidden(at, sight.disparity)) return;
     if (IS_PLAIN == 0u && isByDetail(draw)) {
         uint x = uint(max(piece.place.x + int(floor(sight.x + 0.5f)), 0));
         uint y = uint(max(piece.place.y + int(floor(sight.y + 0.5f)), 0));

@@ -8,12 +8,17 @@
 #include "render/shaders/shared/detail.h"
 #include "render/shaders/shared/z_key.h"
 #include "render/shaders/read_draw.glsl"
+#include "render/shaders/z_buffer.glsl"
 
 layout(local_size_x_id = 0) in;
 
 layout(set = 0, binding = 0) uniform usamplerBuffer vertices;
-layout(std430, set = 1, binding = 1) buffer ZBuffer { uint64_t zBuffer[]; };
 layout(push_constant) uniform Constants { WarpConstants constants; };
+
+void drawPixel(int at, float disparity, uint64_t key)
+{
+    if (!isHidden(at, disparity)) atomicMax(zBuffer[at], key);
+}
 
 uint rowOf(TileDraw draw, uint item)
 {
@@ -44,13 +49,13 @@ void main()
         // Compared as floats: far outside, the conversion to int is undefined.
         if (IS_PLAIN != 0u) { // one pixel
             if (left >= 0.0f && left < width && top >= 0.0f && top < height)
-                atomicMax(zBuffer[int(top) * constants.width + int(left)], key);
+                drawPixel(int(top) * constants.width + int(left), seen.z, key);
             continue;
         }
         if (!(left > -float(size) && left < width && top > -float(size) && top < height)) continue;
         ivec2 first = max(ivec2(left, top), 0);
         ivec2 end = min(ivec2(left, top) + size, ivec2(constants.width, constants.height));
         for (int y = first.y; y < end.y; ++y)
-            for (int x = first.x; x < end.x; ++x) atomicMax(zBuffer[y * constants.width + x], key);
+            for (int x = first.x; x < end.x; ++x) drawPixel(y * constants.width + x, seen.z, key);
     }
 }

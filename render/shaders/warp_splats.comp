@@ -9,12 +9,11 @@
 #include "render/shaders/shared/splat.h"
 #include "render/shaders/shared/z_key.h"
 #include "render/shaders/read_draw.glsl"
+#include "render/shaders/z_buffer.glsl"
 
 layout(local_size_x_id = 0) in;
 
 layout(set = 0, binding = 0) uniform usamplerBuffer vertices;
-layout(std430, set = 1, binding = 1) buffer ZBuffer { uint64_t zBuffer[]; };
-layout(set = 1, binding = 4) uniform usamplerBuffer zTexels;
 layout(push_constant) uniform Constants { WarpConstants constants; };
 
 void drawPixel(ivec2 pixel, vec3 seen, float perRadius2, uint colour, uint levelAndClass)
@@ -23,9 +22,7 @@ void drawPixel(ivec2 pixel, vec3 seen, float perRadius2, uint colour, uint level
     bool isInside = uint(pixel.x) < uint(constants.width) && uint(pixel.y) < uint(constants.height);
     if (!(disparity >= 0.0f && isInside)) return;
     int at = pixel.y * constants.width + pixel.x;
-    // Most of what splats cover is hidden already, and reading a texel is cheaper than an atomic that changes nothing.
-    // What is read may be of a moment ago: then it is no greater than what stands there, and nothing is lost.
-    if (texelFetch(zTexels, at).y > floatBitsToUint(disparity)) return;
+    if (isHidden(at, disparity)) return;
     atomicMax(zBuffer[at], packUint2x32(packKey(disparity, colour, levelAndClass)));
 }
 

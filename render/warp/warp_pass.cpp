@@ -28,18 +28,22 @@ struct WarpRow {
 /// So many workgroups take parts from the list of large pieces. Most frames have none.
 constexpr std::uint32_t kListedTogether = 1024;
 
-/// A processor runs a workgroup vector by vector, and starts each anew: one vector that loops is cheapest.
+/// A processor runs a workgroup vector by vector, and starts each anew: one vector that loops is cheapest. A card does
+/// well with large ones, where tiles have that many squares; they have fewer facets (docs/performance.md).
 WarpRow rowOf(const Device& device, Warp warp) {
-    const auto vectorWidth = static_cast<std::uint32_t>(device.subgroupSize());
+    const auto sizeOf = [&](std::uint32_t onCards) {
+        return device.isProcessor() ? static_cast<std::uint32_t>(device.subgroupSize())
+                                    : std::min(onCards, device.limits().maxComputeWorkGroupInvocations);
+    };
     switch (warp) {
     case Warp::adaptive:
-        return {kWarpFacetsCode, device.isProcessor() ? vectorWidth : 64, 24};
+        return {kWarpFacetsCode, sizeOf(128), 24};
     case Warp::mesh:
-        return {kWarpMeshCode, device.isProcessor() ? vectorWidth : 64, device.isProcessor() ? 256u : 64u};
+        return {kWarpMeshCode, sizeOf(256), device.isProcessor() ? 256u : 64u};
     case Warp::splats:
-        return {kWarpSplatsCode, device.isProcessor() ? vectorWidth : 128};
+        return {kWarpSplatsCode, sizeOf(128)};
     default:
-        return {kWarpPointsCode, device.isProcessor() ? vectorWidth : 128};
+        return {kWarpPointsCode, sizeOf(128)};
     }
 }
 
