@@ -48,9 +48,17 @@ Buffer::Buffer(const Device& device, VkDeviceSize size, VkBufferUsageFlags usage
     VkMemoryAllocateInfo allocate{};
     allocate.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO;
     allocate.allocationSize = needs.size;
-    allocate.memoryTypeIndex = device.memoryType(needs.memoryTypeBits, wish.wanted, wish.liked);
+    const std::uint32_t best = device.memoryType(needs.memoryTypeBits, wish.wanted, wish.liked),
+                        good = device.memoryType(needs.memoryTypeBits, wish.wanted, 0);
+    allocate.memoryTypeIndex = best;
     VkDeviceMemory memory = VK_NULL_HANDLE;
-    check(vkAllocateMemory(device, &allocate, nullptr, &memory));
+    VkResult result = vkAllocateMemory(device, &allocate, nullptr, &memory);
+    // Of a card's memory the processor may reach a small part alone, and others want that, too.
+    if (result == VK_ERROR_OUT_OF_DEVICE_MEMORY && use == MemoryUse::hostFeeds && good != best) {
+        allocate.memoryTypeIndex = good;
+        result = vkAllocateMemory(device, &allocate, nullptr, &memory);
+    }
+    check(result);
     memory_ = {device, memory};
     check(vkBindBufferMemory(device, buffer, memory, 0));
 

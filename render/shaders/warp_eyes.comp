@@ -17,8 +17,10 @@ layout(constant_id = 1) const uint IS_SPLATS = 0u;
 layout(set = 0, binding = 0) uniform usamplerBuffer vertices;
 layout(std430, set = 1, binding = 0) readonly buffer LeftDraws { TileDraw leftDraws[]; };
 layout(std430, set = 1, binding = 1) buffer LeftZBuffer { uint64_t leftZBuffer[]; };
+layout(set = 1, binding = 4) uniform usamplerBuffer leftZTexels;
 layout(std430, set = 2, binding = 0) readonly buffer RightDraws { TileDraw rightDraws[]; };
 layout(std430, set = 2, binding = 1) buffer RightZBuffer { uint64_t rightZBuffer[]; };
+layout(set = 2, binding = 4) uniform usamplerBuffer rightZTexels;
 layout(std430, set = 3, binding = 0) readonly buffer Pairs { PairDraw pairs[]; };
 layout(push_constant) uniform Constants { WarpConstants constants; };
 
@@ -49,12 +51,15 @@ EyeDraw eyeDrawOf(uint eye, TileDraw draw, uint rows)
     return own;
 }
 
+/// Unless something nearer stands there (z_buffer.glsl).
 void put(uint eye, int pixel, uint64_t key)
 {
-    if (eye == kLeft)
-        atomicMax(leftZBuffer[pixel], key);
-    else
-        atomicMax(rightZBuffer[pixel], key);
+    uint disparity = unpackUint2x32(key).y;
+    if (eye == kLeft) {
+        if (texelFetch(leftZTexels, pixel).y <= disparity) atomicMax(leftZBuffer[pixel], key);
+    } else {
+        if (texelFetch(rightZTexels, pixel).y <= disparity) atomicMax(rightZBuffer[pixel], key);
+    }
 }
 
 void drawSquare(EyeDraw own, ivec2 corner, uint64_t key)
