@@ -1,10 +1,8 @@
 #pragma once
-// The graphics device: instance, the physical device chosen, its queues, and the ear for the validation
-// layers.
+// The graphics device: instance, the physical device chosen, its queue, and the ear for the validation layers.
 
 #include <volk.h>
 
-#include <array>
 #include <cstdint>
 #include <functional>
 #include <memory>

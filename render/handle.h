@@ -42,7 +42,6 @@ using Memory = Handle<VkDeviceMemory, &vkFreeMemory>;
 using Pipeline = Handle<VkPipeline, &vkDestroyPipeline>;
 using PipelineLayout = Handle<VkPipelineLayout, &vkDestroyPipelineLayout>;
 using QueryPool = Handle<VkQueryPool, &vkDestroyQueryPool>;
-using Semaphore = Handle<VkSemaphore, &vkDestroySemaphore>;
 using ShaderModule = Handle<VkShaderModule, &vkDestroyShaderModule>;
 
 } // namespace render

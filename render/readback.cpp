@@ -1,15 +1,17 @@
 #include "render/readback.h"
 
+#include "render/device.h"
+
 #include <algorithm>
 
 namespace render {
 
 namespace {
 
-/// The first values of a buffer: in it, or in a copy.
+/// The first values of a buffer: in it, or in a copy, since the processor may see a card's memory, but slowly.
 template <class T>
 std::span<const T> read(const Device& device, const Buffer& buffer, std::size_t count, Buffer& copy) {
-    if (buffer.isCached()) return buffer.as<const T>().first(count);
+    if (device.isProcessor() && buffer.mapped() != nullptr) return buffer.as<const T>().first(count);
     copy = download(device, buffer, count * sizeof(T));
     return copy.as<const T>();
 }

@@ -64,9 +64,7 @@ Buffer::Buffer(const Device& device, VkDeviceSize size, VkBufferUsageFlags usage
 
     constexpr VkMemoryPropertyFlags kMapped =
         VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
-    const VkMemoryPropertyFlags flags = device.memoryFlags(allocate.memoryTypeIndex);
-    if ((flags & kMapped) == kMapped) {
-        isCached_ = (flags & VK_MEMORY_PROPERTY_HOST_CACHED_BIT) != 0;
+    if ((device.memoryFlags(allocate.memoryTypeIndex) & kMapped) == kMapped) {
         void* address = nullptr;
         check(vkMapMemory(device, memory, 0, VK_WHOLE_SIZE, 0, &address));
         mapped_ = static_cast<std::byte*>(address);

@@ -30,9 +30,6 @@ class Buffer {
 
     /// Null if the processor cannot see it.
     std::byte* mapped() const { return mapped_; }
-    /// Whether the processor reads it as fast as other memory. What is mapped need not be: a graphics card's own memory
-    /// may be, word by word across the bus.
-    bool isCached() const { return isCached_; }
     /// The whole buffer as values; it must be mapped.
     template <class T>
     std::span<T> as() const {
@@ -44,7 +41,6 @@ class Buffer {
     BufferHandle buffer_;
     VkDeviceSize size_ = 0;
     std::byte* mapped_ = nullptr;
-    bool isCached_ = false;
 };
 
 /// A buffer on the device that holds these bytes (at least one). Waits until they are there.

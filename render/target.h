@@ -19,7 +19,7 @@ inline constexpr int kFramesInFlight = 2;
 VkDescriptorSetLayout makeEyeLayout(const Device& device);
 inline constexpr std::uint32_t kEyeStorageBuffers = 8; ///< of them: all but the texels
 
-/// One z-buffer and picture serve all frames in flight: they follow one another on the eye's queue. The draw
+/// One z-buffer and picture serve all frames in flight: they follow one another on the queue. The draw
 /// lists, which the processor writes ahead, do not.
 struct EyeTarget {
     Buffer zBuffer; ///< 64 bits per pixel, row by row

@@ -71,11 +71,6 @@ void drawPixel(TileDraw draw, Piece piece, uint levelAndClass, ivec2 offset)
     atomicMax(zBuffer[at], packUint2x32(packKey(sight.disparity, colour, levelAndClass)));
 }
 
-ivec2 extentOf(PixelBox box)
-{
-    return max(box.last - box.first + 1, 0);
-}
-
 /// Four lanes beside one another, the others below them, go over a part of a facet's box together.
 void drawPart(TileDraw draw, Piece piece, uint levelAndClass, BoxPart part, int myPlace, int lanes)
 {
@@ -96,7 +91,7 @@ void drawListed()
         if (!isOfRun(part, constants)) continue;
         TileDraw draw = draws[part.draw];
         Piece piece = pieceOf(draw, part.item);
-        drawPart(draw, piece, levelAndClassOf(draw), partOf(extentOf(piece.box), part.block),
+        drawPart(draw, piece, levelAndClassOf(draw), partOf(piece.box.first, extentOf(piece.box), part.first),
                  int(gl_LocalInvocationID.x), int(gl_WorkGroupSize.x));
     }
 }
@@ -133,9 +128,8 @@ void main()
             large &= ~subgroupBallot(gl_SubgroupInvocationID == lane);
             uint theirs = subgroupBroadcast(number, lane);
             Piece piece = pieceOf(draw, theirs);
-            ivec2 extent = extentOf(piece.box);
-            if (listParts(which.draw, theirs, extent, myPlace, lanes)) continue;
-            drawPart(draw, piece, levelAndClass, wholeOf(extent), myPlace, lanes);
+            if (listParts(which.draw, theirs, piece.box, myPlace, lanes)) continue;
+            drawPart(draw, piece, levelAndClass, wholeOf(extentOf(piece.box)), myPlace, lanes);
         }
     }
 }

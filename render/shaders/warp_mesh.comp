@@ -95,11 +95,6 @@ void drawPixel(Square s, uint levelAndClass, ivec2 offset)
     atomicMax(zBuffer[pixel.y * constants.width + pixel.x], packUint2x32(packKey(disparity, colour, levelAndClass)));
 }
 
-ivec2 extentOf(PixelBox box)
-{
-    return max(box.last - box.first + 1, 0);
-}
-
 void drawPart(Square square, uint levelAndClass, BoxPart part, int myPlace, int lanes)
 {
     int pixels = part.extent.x * part.extent.y;
@@ -179,9 +174,8 @@ void drawCuts(TileDraw draw, uint drawNumber, uint levelAndClass)
             uint theirs = subgroupBroadcast(number, lane), drawn = subgroupBroadcast(halves, lane);
             for (uint half_ = drawn == kLower ? kLower : kUpper; half_ <= min(drawn, kLower); ++half_) {
                 Cut part = cutOf(draw, theirs, half_);
-                ivec2 extent = extentOf(part.box);
-                if (listParts(drawNumber, theirs | half_ << kHalfShift, extent, myPlace, lanes)) continue;
-                drawCutPart(part, levelAndClass, wholeOf(extent), myPlace, lanes);
+                if (listParts(drawNumber, theirs | half_ << kHalfShift, part.box, myPlace, lanes)) continue;
+                drawCutPart(part, levelAndClass, wholeOf(extentOf(part.box)), myPlace, lanes);
             }
         }
     }
@@ -206,9 +200,8 @@ void drawLarge(TileDraw draw, uint drawNumber, uint levelAndClass, uvec2 items)
             large &= ~subgroupBallot(gl_SubgroupInvocationID == lane);
             uint theirs = subgroupBroadcast(number, lane);
             Square square = warpSquare(draw, theirs);
-            ivec2 extent = extentOf(square.box);
-            if (listParts(drawNumber, theirs, extent, myPlace, lanes)) continue;
-            drawPart(square, levelAndClass, wholeOf(extent), myPlace, lanes);
+            if (listParts(drawNumber, theirs, square.box, myPlace, lanes)) continue;
+            drawPart(square, levelAndClass, wholeOf(extentOf(square.box)), myPlace, lanes);
         }
     }
 }
@@ -225,10 +218,10 @@ void drawListed()
         uint levelAndClass = levelAndClassOf(draw), half_ = part.item >> kHalfShift, number = part.item & kItemBits;
         if (half_ != 0u) {
             Cut cut = cutOf(draw, number, half_);
-            drawCutPart(cut, levelAndClass, partOf(extentOf(cut.box), part.block), myPlace, lanes);
+            drawCutPart(cut, levelAndClass, partOf(cut.box.first, extentOf(cut.box), part.first), myPlace, lanes);
         } else {
             Square square = warpSquare(draw, number);
-            drawPart(square, levelAndClass, partOf(extentOf(square.box), part.block), myPlace, lanes);
+            drawPart(square, levelAndClass, partOf(square.box.first, extentOf(square.box), part.first), myPlace, lanes);
         }
     }
 }

@@ -29,7 +29,7 @@ struct PolygonPass {
 PolygonPass makePolygonPass(const Device& device, const GpuPolygons& polygons, VkDescriptorSetLayout eyeLayout,
                             int samples);
 
-/// What an eye's polygons are drawn into. One serves all frames in flight: they follow one another on the eye's queue.
+/// What an eye's polygons are drawn into. One serves all frames in flight: they follow one another on the queue.
 struct PolygonTarget {
     DeviceImage colours, depths;
     Framebuffer framebuffer;

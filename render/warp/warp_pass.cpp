@@ -32,14 +32,16 @@ constexpr std::uint32_t kListedTogether = 1024;
 /// well with large ones, where tiles have that many squares; they have fewer facets (docs/performance.md).
 WarpRow rowOf(const Device& device, Warp warp) {
     const auto sizeOf = [&](std::uint32_t onCards) {
-        return device.isProcessor() ? static_cast<std::uint32_t>(device.subgroupSize())
-                                    : std::min(onCards, device.limits().maxComputeWorkGroupInvocations);
+        const VkPhysicalDeviceLimits& limits = device.limits();
+        return device.isProcessor()
+                   ? static_cast<std::uint32_t>(device.subgroupSize())
+                   : std::min({onCards, limits.maxComputeWorkGroupInvocations, limits.maxComputeWorkGroupSize[0]});
     };
     switch (warp) {
     case Warp::adaptive:
         return {kWarpFacetsCode, sizeOf(128), 24};
     case Warp::mesh:
-        return {kWarpMeshCode, sizeOf(256), device.isProcessor() ? 256u : 64u};
+        return {kWarpMeshCode, sizeOf(256), 256};
     case Warp::splats:
         return {kWarpSplatsCode, sizeOf(128)};
     default:

@@ -26,9 +26,9 @@ class FaultyDevice : public testing::Test {
         ASSERT_EQ(made.status, 0) << made.output;
         prepare(path("capture"), path("room.revisit"), scratch_.path(), {"--coverage"});
         nlohmann::json poses = nlohmann::json::array();
-        for (int i = 0; i < 3; ++i)
+        for (int i = 0; i < 5; ++i)
             poses.push_back(
-                {{"t", i * 0.5}, {"position", {0.05 * i, 1.5, 0.1 * i}}, {"orientation", {0, 0.1 * i, 0, 1}}});
+                {{"t", i * 0.25}, {"position", {0.025 * i, 1.5, 0.05 * i}}, {"orientation", {0, 0.05 * i, 0, 1}}});
         std::ofstream(path("path.json")) << nlohmann::json{{"space", "walk"}, {"poses", poses}}.dump();
     }
 
@@ -106,7 +106,7 @@ TEST_F(FaultyDevice, ALostOneIsMadeAnewAndTheSameFramesAreDrawn) {
         const auto expected = picturesOf("sound");
         ASSERT_GE(expected.size(), 6u);
         const std::string recorded = walks ? scene::bytesOfFile(path("sound.json")) : "";
-        // In the first frame, in the middle, in the last one; before either eye.
+        // In the first frame, in the middle, in the last one: each is one submit.
         for (const std::uint64_t at :
              {std::uint64_t{1}, submits.submits / 2, submits.submits / 2 + 1, submits.submits - 1, submits.submits}) {
             std::filesystem::remove_all(path("lost"));

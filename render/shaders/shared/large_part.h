@@ -16,7 +16,7 @@ SHARED_CONSTANT int kPartSide = 32; ///< pixels
 struct LargePart {
     uint draw;  ///< of the list of draws, or kNoPart: nothing
     uint item;  ///< of the draw, as its warp numbers them
-    uint block; ///< of the piece's box on the screen: kPartSide pixels a side, row by row
+    uint first; ///< its first pixel on the screen, x | y << 16; it is kPartSide wide and high
 };
 
 SHARED_CONSTANT uint kNoPart = 0xffffffffu;
@@ -40,11 +40,19 @@ SHARED_FUNCTION uint partsOf(ivec2 extent) {
     return uint(across * down);
 }
 
-SHARED_FUNCTION BoxPart partOf(ivec2 extent, uint block) {
+/// Where part number i of a box lies, row by row: what LargePart::first says.
+SHARED_FUNCTION uint firstOfPart(ivec2 boxFirst, ivec2 extent, uint i) {
     int across = (extent.x + kPartSide - 1) / kPartSide;
+    int x = boxFirst.x + kPartSide * (int(i) % across), y = boxFirst.y + kPartSide * (int(i) / across);
+    return uint(x) | (uint(y) << 16);
+}
+
+/// What of a box such a part has. Whoever listed it may have rounded the box another way.
+SHARED_FUNCTION BoxPart partOf(ivec2 boxFirst, ivec2 extent, uint first) {
+    ivec2 offset = ivec2(int(first & 0xffffu), int(first >> 16)) - boxFirst;
     BoxPart part;
-    part.first = ivec2(kPartSide * (int(block) % across), kPartSide * (int(block) / across));
-    part.extent = ivec2(min(extent.x - part.first.x, kPartSide), min(extent.y - part.first.y, kPartSide));
+    part.first = max(offset, ivec2(0, 0));
+    part.extent = max(min(offset + kPartSide, extent) - part.first, ivec2(0, 0));
     return part;
 }
 
