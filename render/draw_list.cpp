@@ -245,7 +245,7 @@ std::uint32_t bucketOf(const DrawList::Chosen& chosen, const std::array<std::uin
     std::uint32_t batch = 0;
     while (batch < batchEnds.size() && bin < batchEnds[batch])
         ++batch;
-    // Points among the others: of one pixel mostly, they gain next to nothing from what is there already.
+    // Points stand among the others: so they were measured before they looked at what is there already.
     const bool isFar = chosen.orderLevel == scene::kMaxOrderLevel && chosen.warp != Warp::points;
     const std::uint32_t ofWarp = (isFar ? kWarps : 0) + kRank[static_cast<std::size_t>(chosen.warp)];
     return batch * kBucketsOfBatch + 2 * ofWarp + (chosen.isPlain ? 0 : 1);
