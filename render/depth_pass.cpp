@@ -19,7 +19,7 @@ constexpr VkPipelineStageFlags kCompute = VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT;
 DepthPass makeDepthPass(const Device& device) {
     DepthPass pass;
     pass.layout = makeSetLayout(device, kBindings);
-    const std::uint32_t workgroupSize = device.isProcessor() ? static_cast<std::uint32_t>(device.subgroupSize()) : 128;
+    const std::uint32_t workgroupSize = device.workgroupSize(128);
     pass.pipeline = makeComputePipeline(device, kNearOverDepthCode, std::array<VkDescriptorSetLayout, 1>{pass.layout},
                                         sizeof(EyeDepthConstants), std::array{workgroupSize});
     return pass;

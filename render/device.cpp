@@ -164,6 +164,11 @@ void Device::describeDevice() {
     timestampBits_ = families[queueFamily_].timestampValidBits;
 }
 
+std::uint32_t Device::workgroupSize(std::uint32_t onCards) const {
+    if (isProcessor_) return static_cast<std::uint32_t>(subgroupSize_);
+    return std::min({onCards, limits().maxComputeWorkGroupInvocations, limits().maxComputeWorkGroupSize[0]});
+}
+
 std::uint32_t Device::memoryType(std::uint32_t typeBits, VkMemoryPropertyFlags wanted,
                                  VkMemoryPropertyFlags liked) const {
     for (const VkMemoryPropertyFlags flags : {wanted | liked, wanted})

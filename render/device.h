@@ -57,6 +57,9 @@ class Device {
     bool isProcessor() const { return isProcessor_; }
     const VkPhysicalDeviceLimits& limits() const { return properties_.limits; }
     int subgroupSize() const { return subgroupSize_; }
+    /// Invocations of a workgroup. A processor runs one vector by vector, and starts each anew: one vector that loops
+    /// is cheapest. onCards: as many as a graphics card does well with, if it allows them.
+    std::uint32_t workgroupSize(std::uint32_t onCards) const;
     bool hasTimestamps() const { return timestampBits_ > 0; }
 
     /// A memory type allowed by typeBits with all of wanted; the first that also has all of liked, if there

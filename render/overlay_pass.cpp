@@ -25,7 +25,7 @@ void copy(const std::vector<T>& values, const Buffer& buffer) {
 OverlayPass makeOverlayPass(const Device& device, VkDescriptorSetLayout eyeLayout) {
     OverlayPass pass;
     pass.listLayout = makeSetLayout(device, kListBindings);
-    const std::uint32_t workgroupSize = device.isProcessor() ? static_cast<std::uint32_t>(device.subgroupSize()) : 128;
+    const std::uint32_t workgroupSize = device.workgroupSize(128);
     pass.pipeline =
         makeComputePipeline(device, kOverlayCode, std::array<VkDescriptorSetLayout, 2>{eyeLayout, pass.listLayout},
                             sizeof(OverlayConstants), std::array{workgroupSize});

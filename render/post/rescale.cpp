@@ -20,7 +20,7 @@ constexpr std::array kBindings{Binding::texels, Binding::texels, Binding::storag
 RescalePass makeRescalePass(const Device& device) {
     RescalePass pass;
     pass.layout = makeSetLayout(device, kBindings);
-    const std::uint32_t workgroupSize = device.isProcessor() ? static_cast<std::uint32_t>(device.subgroupSize()) : 128;
+    const std::uint32_t workgroupSize = device.workgroupSize(128);
     const std::array<VkDescriptorSetLayout, 1> sets{pass.layout};
     pass.any = makeComputePipeline(device, kRescaleCode, sets, sizeof(RescaleConstants), std::array{workgroupSize});
     pass.enlarge = makeComputePipeline(device, kEnlargeCode, sets, sizeof(RescaleConstants), std::array{workgroupSize});

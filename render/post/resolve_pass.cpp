@@ -25,10 +25,6 @@ constexpr std::uint32_t kResolvedTogether = 128, kWordsListedTogether = 128, kHo
 /// So many holes of a row wait for one another: one hole takes long, and few rows have many.
 constexpr std::uint32_t kHolesInTurn = 4;
 
-std::uint32_t workgroupSize(const Device& device, std::uint32_t onCards) {
-    return device.isProcessor() ? static_cast<std::uint32_t>(device.subgroupSize()) : onCards;
-}
-
 std::uint32_t groupsOf(int pixels, std::uint32_t size) {
     return (static_cast<std::uint32_t>(pixels) + size - 1) / size;
 }
@@ -50,11 +46,11 @@ ResolvePass makeResolvePass(const Device& device, VkDescriptorSetLayout eyeLayou
                                    std::span(constants.begin(), constants.size()));
     };
     constexpr std::uint32_t kMarksHoles = 1;
-    const std::uint32_t size = workgroupSize(device, kResolvedTogether), byWords = device.isProcessor() ? 1 : 0;
+    const std::uint32_t size = device.workgroupSize(kResolvedTogether), byWords = device.isProcessor() ? 1 : 0;
     return {.plain = make(kResolveCode, {size, 0, byWords}),
             .marking = make(kResolveCode, {size, kMarksHoles, byWords}),
-            .listing = make(kListHolesCode, {workgroupSize(device, kWordsListedTogether)}),
-            .filling = make(kFillHolesCode, {workgroupSize(device, kHolesFilledTogether)}),
+            .listing = make(kListHolesCode, {device.workgroupSize(kWordsListedTogether)}),
+            .filling = make(kFillHolesCode, {device.workgroupSize(kHolesFilledTogether)}),
             .isByRows = device.isProcessor()};
 }
 

@@ -44,7 +44,7 @@ GpuCoverage::GpuCoverage(const Device& device, const scene::Coverage& coverage)
 }
 
 ComputePipeline makeUnseenPipeline(const Device& device, const GpuCoverage& coverage, VkDescriptorSetLayout eyeLayout) {
-    const std::uint32_t workgroupSize = device.isProcessor() ? static_cast<std::uint32_t>(device.subgroupSize()) : 64;
+    const std::uint32_t workgroupSize = device.workgroupSize(64);
     return makeComputePipeline(device, kUnseenCode, std::array{eyeLayout, coverage.layout()}, sizeof(UnseenConstants),
                                std::array{workgroupSize, std::uint32_t{coverage.hasDivided() ? 1u : 0u}});
 }

@@ -23,8 +23,7 @@ constexpr Barrier kAfterClear{VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER
 } // namespace
 
 BlendPass makeBlendPass(const Device& device, VkDescriptorSetLayout pageLayout, VkDescriptorSetLayout eyeLayout) {
-    const auto vectorWidth = static_cast<std::uint32_t>(device.subgroupSize());
-    const std::uint32_t size = device.isProcessor() ? vectorWidth : 128;
+    const std::uint32_t size = device.workgroupSize(128);
     BlendPass pass;
     pass.layout = makeSetLayout(device, kBindings);
     pass.add = makeComputePipeline(device, kBlendCode,

@@ -30,7 +30,7 @@ constexpr Barrier kAfterCull{kCompute, kRead | kWrite, kCompute | VK_PIPELINE_ST
 
 OcclusionPass makeOcclusionPass(const Device& device, VkDescriptorSetLayout eyeLayout) {
     OcclusionPass pass;
-    pass.cullSize = device.isProcessor() ? static_cast<std::uint32_t>(device.subgroupSize()) : 64;
+    pass.cullSize = device.workgroupSize(64);
     const std::array<VkDescriptorSetLayout, 1> sets{eyeLayout};
     const std::array size{pass.cullSize};
     pass.occluders = makeComputePipeline(device, kOccludersCode, sets, sizeof(OccluderConstants), size);

@@ -196,7 +196,7 @@ PolygonPass makePolygonPass(const Device& device, const GpuPolygons& polygons, V
         makePipelineLayout(device, std::array{polygons.textureLayout()}, {kDrawingStages, 0, sizeof(PolygonConstants)});
     pass.pipeline = makeDrawingPipeline(device, pass.layout, pass.renderPass, samples);
     pass.pictureLayout = makeSetLayout(device, kPictures);
-    const std::uint32_t size = device.isProcessor() ? static_cast<std::uint32_t>(device.subgroupSize()) : 128;
+    const std::uint32_t size = device.workgroupSize(128);
     const std::span<const std::uint32_t> merging = samples > 1 ? std::span<const std::uint32_t>(kPolygonMergeEdgesCode)
                                                                : std::span<const std::uint32_t>(kPolygonMergeCode);
     pass.merge =

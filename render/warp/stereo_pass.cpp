@@ -48,14 +48,14 @@ std::string whyNotInOnePass(const Device& device, const Quality& quality, int ey
 
 StereoPass makeStereoPass(const Device& device, VkDescriptorSetLayout pageLayout, VkDescriptorSetLayout eyeLayout) {
     // As for one eye (warp_pass.cpp).
-    const std::uint32_t size = device.isProcessor() ? static_cast<std::uint32_t>(device.subgroupSize()) : 128;
+    const std::uint32_t size = device.workgroupSize(128);
     StereoPass pass;
     pass.layout = makeSetLayout(device, kBindings);
     const std::array<VkDescriptorSetLayout, kSets> sets{pageLayout, eyeLayout, eyeLayout, pass.layout};
     for (std::uint32_t isSplats = 0; isSplats < pass.warps.size(); ++isSplats)
         pass.warps[isSplats] =
             makeComputePipeline(device, kWarpEyesCode, sets, sizeof(WarpConstants), std::array{size, isSplats});
-    pass.testSize = device.isProcessor() ? static_cast<std::uint32_t>(device.subgroupSize()) : 64;
+    pass.testSize = device.workgroupSize(64);
     pass.test = makeComputePipeline(device, kPairOcclusionCode,
                                     std::array<VkDescriptorSetLayout, 3>{eyeLayout, eyeLayout, pass.layout},
                                     sizeof(PairTestConstants), std::array{pass.testSize});

@@ -28,24 +28,18 @@ struct WarpRow {
 /// So many workgroups take parts from the list of large pieces. Most frames have none.
 constexpr std::uint32_t kListedTogether = 1024;
 
-/// A processor runs a workgroup vector by vector, and starts each anew: one vector that loops is cheapest. A card does
-/// well with large ones, where tiles have that many squares; they have fewer facets (docs/performance.md).
+/// Of workgroups a card does well with large ones, where tiles have that many squares; they have fewer facets
+/// (docs/performance.md).
 WarpRow rowOf(const Device& device, Warp warp) {
-    const auto sizeOf = [&](std::uint32_t onCards) {
-        const VkPhysicalDeviceLimits& limits = device.limits();
-        return device.isProcessor()
-                   ? static_cast<std::uint32_t>(device.subgroupSize())
-                   : std::min({onCards, limits.maxComputeWorkGroupInvocations, limits.maxComputeWorkGroupSize[0]});
-    };
     switch (warp) {
     case Warp::adaptive:
-        return {kWarpFacetsCode, sizeOf(128), 24};
+        return {kWarpFacetsCode, device.workgroupSize(128), 24};
     case Warp::mesh:
-        return {kWarpMeshCode, sizeOf(256), 256};
+        return {kWarpMeshCode, device.workgroupSize(256), 256};
     case Warp::splats:
-        return {kWarpSplatsCode, sizeOf(128)};
+        return {kWarpSplatsCode, device.workgroupSize(128)};
     default:
-        return {kWarpPointsCode, sizeOf(128)};
+        return {kWarpPointsCode, device.workgroupSize(128)};
     }
 }
 
