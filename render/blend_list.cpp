@@ -20,13 +20,12 @@ bool isWhole(const ChunkPlace& place) {
     return place.isThere() && !place.isDamaged;
 }
 
-/// Whether any tile of the piece may be added.
-bool mayCount(const TilePiece& piece, const glm::dvec3& eyeFromCamera, const scene::BlendOptions& options) {
-    return std::isinf(piece.reachMetres) ||
+} // namespace
+
+bool mayBeBlended(const TilePiece& piece, const glm::dvec3& eyeFromCamera, const scene::BlendOptions& options) {
+    return piece.isBase ||
            scene::mayBeNear(glm::length(eyeFromCamera), piece.reachMetres, {.nearBaseline = options.baseline});
 }
-
-} // namespace
 
 void chooseBlendDraws(const SceneIndex& scene, std::span<const ChunkPlace> places, std::span<const SourceView> sources,
                       const VisibleTiles& visible, const scene::BlendOptions& options, BlendList& list) {
@@ -36,12 +35,12 @@ void chooseBlendDraws(const SceneIndex& scene, std::span<const ChunkPlace> place
     // Every piece chooses in its own part of the scratch arrays; then the parts are put together in order.
     list.numbers.resize(tiles.size());
     list.spots.resize(tiles.size());
-    list.counts.assign(pieces.size(), 0);
-    tbb::parallel_for(std::size_t{0}, pieces.size(), [&](std::size_t p) {
-        const TilePiece& piece = pieces[p];
+    list.counts.assign(visible.pieces.size(), 0);
+    tbb::parallel_for(std::size_t{0}, visible.pieces.size(), [&](std::size_t p) {
+        const TilePiece& piece = pieces[visible.pieces[p]];
         if (piece.image >= sources.size()) return; // a coarser level
         const glm::dvec3& eyeFromCamera = sources[piece.image].eyeFromCamera;
-        if (!mayCount(piece, eyeFromCamera, options)) return;
+        if (!mayBeBlended(piece, eyeFromCamera, options)) return;
         for (std::uint32_t i = 0; i < visible.counts[p]; ++i) {
             const std::uint32_t number = visible.slots[piece.first + i];
             const ResidentTile& tile = tiles[number];
@@ -61,9 +60,9 @@ void chooseBlendDraws(const SceneIndex& scene, std::span<const ChunkPlace> place
     list.runs.clear();
     list.items = 0;
     list.tiles = 0;
-    for (std::size_t p = 0; p < pieces.size(); ++p)
+    for (std::size_t p = 0; p < visible.pieces.size(); ++p)
         for (std::uint32_t i = 0; i < list.counts[p]; ++i) {
-            const std::uint32_t place = pieces[p].first + i, number = list.numbers[place];
+            const std::uint32_t place = pieces[visible.pieces[p]].first + i, number = list.numbers[place];
             const ResidentTile& tile = tiles[number];
             const std::uint32_t page = places[tile.chunk].page;
             if (list.runs.empty() || list.runs.back().page != page) list.runs.push_back({page, list.tiles, 0});

@@ -21,6 +21,9 @@ struct BlendList {
     std::vector<std::uint32_t> counts;
 };
 
+/// Whether any tile of a piece of a captured image may be added.
+bool mayBeBlended(const TilePiece& piece, const glm::dvec3& eyeFromCamera, const scene::BlendOptions& options);
+
 /// As chooseDraws. sources: one for each captured image; coarser levels are left out.
 void chooseBlendDraws(const SceneIndex& scene, std::span<const ChunkPlace> places, std::span<const SourceView> sources,
                       const VisibleTiles& visible, const scene::BlendOptions& options, BlendList& list);

@@ -21,12 +21,16 @@ const DrawList::Chosen& chosenOf(const DrawList& list, std::uint32_t draw) {
 
 /// Pairs in no order, and the bucket of each. A tile stands once in each list: only surfaces that stand
 /// in for finer ones are drawn twice.
-void findPairs(const SceneIndex& scene, const DrawList& left, const DrawList& right, PairList& list) {
+void findPairs(std::size_t tiles, const DrawList& left, const DrawList& right, PairList& list) {
     list.unsorted.clear(), list.buckets.clear();
-    list.rightOfTile.resize(scene.tiles.size(), kNoDraw);
+    list.rightOfTile.resize(tiles, kNoDraw);
+    std::uint32_t pages = 0;
+    for (const DrawList* of : {&left, &right})
+        for (const DrawRun& run : of->runs)
+            pages = std::max(pages, run.page + 1);
     const auto add = [&](PairDraw pair, const DrawList::Chosen& chosen) {
         list.unsorted.push_back(pair);
-        list.buckets.push_back(chosen.bucket);
+        list.buckets.push_back(chosen.kind * pages + chosen.page);
     };
     for (std::uint32_t i = 0; i < right.tiles; ++i)
         list.rightOfTile[chosenOf(right, i).tile] = i;
@@ -48,10 +52,9 @@ void findPairs(const SceneIndex& scene, const DrawList& left, const DrawList& ri
 
 } // namespace
 
-bool uniteDraws(const SceneIndex& scene, std::span<const ChunkPlace> places, const DrawList& left,
-                const DrawList& right, PairList& list) {
+bool uniteDraws(std::size_t tiles, const DrawList& left, const DrawList& right, PairList& list) {
     if (!isOfSamples(left) || !isOfSamples(right)) return false;
-    findPairs(scene, left, right, list);
+    findPairs(tiles, left, right, list);
 
     const auto highest = std::max_element(list.buckets.begin(), list.buckets.end());
     list.firsts.assign(highest != list.buckets.end() ? std::size_t{*highest} + 2 : 1, 0);
@@ -68,10 +71,11 @@ bool uniteDraws(const SceneIndex& scene, std::span<const ChunkPlace> places, con
     for (std::uint32_t i = 0; i < list.pairs.size(); ++i) {
         PairDraw& pair = list.pairs[i];
         const DrawList::Chosen& chosen = pair.left != kNoDraw ? chosenOf(left, pair.left) : chosenOf(right, pair.right);
-        const DrawRun next{places[scene.tiles[chosen.tile].chunk].page, i, 0, chosen.warp, chosen.batch};
+        DrawRun next{chosen.page, i, 0, chosen.warp, chosen.batch};
         if (list.runs.empty() || !areOfOneRun(list.runs.back(), next) || list.runs.back().count == kMaxWorkgroups) {
             run = list.runs.empty() || list.runs.back().batch != next.batch ? 0 : run + 1;
             if (run >= kMostTestedRuns) return false;
+            next.number = run;
             list.runs.push_back(next);
         }
         pair.run = run;

@@ -223,7 +223,7 @@ bool Renderer::unite(const Quality& quality, std::size_t slot, FrameStats& stats
     if (!quality.isOnePass || !whyNotInOnePass(device_, quality, eyes()).empty()) return false;
     bool canBe = false;
     timed(stats.cpu, "unite", kWholeFrame, [&] {
-        canBe = uniteDraws(scene_.index(), scene_.places(), eyes_[0].list, eyes_[1].list, pairs_);
+        canBe = uniteDraws(scene_.tiles().size(), eyes_[0].list, eyes_[1].list, pairs_);
         if (!canBe) return;
         if (!stereo_) stereo_ = makeStereoPass(device_, scene_.pageLayout(), eyeLayout_);
         if (!stereoTarget_ || stereoTarget_->mostPairs < pairs_.pairs.size()) {
@@ -246,18 +246,23 @@ void Renderer::choose(Eye& eye, const scene::View& given, const Quality& quality
     const scene::View view{scene::resized(given.camera, eye.warpWidth, eye.warpHeight), given.worldFromEye};
     timed(eye.times, "cull", index, [&] {
         const double margin = marginOf(quality, scene_);
-        findSourceViews(scene_.images(), view, quality, scene_.index().spheres, margin, scene_.shares(), eye.sources);
-        eye.planes.resize(eye.sources.size());
-        for (std::size_t i = 0; i < eye.sources.size(); ++i)
-            if (eye.sources[i].isOut)
-                eye.planes[i].isOut = true;
-            else
-                eye.planes[i] = planesOf(eye.sources[i].eyeImageFromSource, eye.warpWidth, eye.warpHeight, margin,
-                                         scene_.images()[i].extent);
-        cull(scene_.bounds(), scene_.pieces(), eye.planes, eye.visible);
+        findSourceViews(scene_.index(), view, quality, margin, scene_.shares(), eye.sources);
+        scene_.index().findPiecesOf(eye.sources.seen, eye.visible.pieces);
+        const bool mayStandIn = hasGaps(scene_.places());
+        const auto isWanted = [&](const TilePiece& piece, const SourceView& source) {
+            return mayBeChosen(piece, source, quality, mayStandIn) ||
+                   (quality.isBlended && source.level == 0 && mayBeBlended(piece, source.eyeFromCamera, quality.blend));
+        };
+        const auto planesFor = [&](const TilePiece& piece) -> std::optional<ImagePlanes> {
+            const SourceView& source = eye.sources.of[piece.image];
+            if (!isWanted(piece, source)) return std::nullopt;
+            return planesOf(source.eyeImageFromSource, eye.warpWidth, eye.warpHeight, margin,
+                            scene_.images()[piece.image].extent);
+        };
+        cull(scene_.bounds(), scene_.pieces(), planesFor, eye.visible);
     });
     timed(eye.times, "choose", index, [&] {
-        chooseDraws(scene_.index(), scene_.places(), eye.sources, eye.visible, quality, eye.list,
+        chooseDraws(scene_.index(), scene_.places(), eye.sources.of, eye.visible, quality, eye.list,
                     leavesOutHidden(quality) ? static_cast<double>(eye.warpWidth) * eye.warpHeight : 0);
         if (quality.isBlended)
             chooseBlendDraws(scene_.index(), scene_.places(), capturedOf(eye), eye.visible, quality.blend,
@@ -266,12 +271,12 @@ void Renderer::choose(Eye& eye, const scene::View& given, const Quality& quality
 }
 
 std::span<const SourceView> Renderer::capturedOf(const Eye& eye) const {
-    return std::span<const SourceView>(eye.sources).first(scene_.capturedImages());
+    return std::span<const SourceView>(eye.sources.of).first(scene_.capturedImages());
 }
 
 void Renderer::list(Eye& eye, const Quality& quality, std::size_t slot, int index) {
     timed(eye.times, "list", index, [&] {
-        writeDraws(scene_.index(), scene_.places(), eye.sources, eye.list, eye.warped().draws[slot].as<TileDraw>());
+        writeDraws(scene_.index(), scene_.places(), eye.sources.of, eye.list, eye.warped().draws[slot].as<TileDraw>());
         if (quality.isBlended)
             writeBlendDraws(scene_.index(), scene_.places(), capturedOf(eye), eye.blendList,
                             eye.blend->draws[slot].as<BlendDraw>());

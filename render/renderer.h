@@ -109,8 +109,7 @@ class Renderer {
         /// Where the scene is warped and resolved.
         const EyeTarget& warped() const { return isScaled ? scaled->target : target; }
         std::array<StepTimer, kFramesInFlight> timers;
-        std::vector<SourceView> sources{}; ///< for each of the scene's images
-        std::vector<ImagePlanes> planes{};
+        SourceViews sources{};
         VisibleTiles visible{};
         DrawList list{};
         BlendList blendList{};

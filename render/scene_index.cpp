@@ -74,17 +74,20 @@ SceneIndex::SceneIndex(std::span<const scene::TileBlock> blocks, std::size_t chu
                  blocks[i], 0, blocks[i].tiles.size(), firstChunks[i]);
     for (std::size_t i = 0; i < blocks.size(); ++i) {
         std::span<const scene::Tile> left = blocks[i].coarser;
+        images[i].firstCoarser = static_cast<std::uint32_t>(images.size());
         while (!left.empty()) {
             const std::uint8_t level = left.front().level;
             std::size_t count = 0;
             while (count < left.size() && left[count].level == level)
                 ++count;
             ResidentImage image = images[i];
+            image.firstCoarser = image.coarserCount = 0;
             image.camera = scene::cameraAtLevel(image.camera, level);
             image.level = level;
             image.hasCoarser = count < left.size();
             const std::size_t before = blocks[i].tiles.size() + blocks[i].coarser.size() - left.size();
             addImage(image, blocks[i], static_cast<std::uint32_t>(before), count, firstChunks[i]);
+            ++images[i].coarserCount;
             left = left.subspan(count);
         }
     }
@@ -120,26 +123,29 @@ void SceneIndex::addImage(const ResidentImage& image, const scene::TileBlock& bl
     }
     images.push_back(image);
     images.back().extent = bounds.extentOf(firstTile, count);
+    images.back().firstPiece = static_cast<std::uint32_t>(pieces.size());
     for (std::size_t first = firstTile; first < tiles.size(); first += pieces.back().count)
         pieces.push_back(pieceFrom(first));
+    images.back().pieceCount = static_cast<std::uint32_t>(pieces.size()) - images.back().firstPiece;
+}
+
+void SceneIndex::findPiecesOf(std::span<const std::uint32_t> ofImages, std::vector<std::uint32_t>& numbers) const {
+    numbers.clear();
+    for (const std::uint32_t i : ofImages)
+        for (std::uint32_t k = 0; k < images[i].pieceCount; ++k)
+            numbers.push_back(images[i].firstPiece + k);
 }
 
 TilePiece SceneIndex::pieceFrom(std::size_t first) const {
     const auto isBase = [](const ResidentTile& tile) { return tile.middle.tier == scene::Tier::base; };
     TilePiece piece{tiles[first].image, static_cast<std::uint32_t>(first), 0};
-    const bool wantsBase = isBase(tiles[first]);
-    double reach = 0;
+    piece.isBase = isBase(tiles[first]);
+    piece.reachMetres = 0;
     for (std::size_t i = first; i < tiles.size() && piece.count < kTilesPerPiece; ++i, ++piece.count) {
-        if (isBase(tiles[i]) != wantsBase) break;
-        reach = std::max(reach, scene::reachOf(tiles[i].middle));
+        if (isBase(tiles[i]) != piece.isBase) break;
+        piece.reachMetres = std::max(piece.reachMetres, scene::reachOf(tiles[i].middle));
     }
-    if (!wantsBase) piece.reachMetres = reach;
-    scene::SampleBox& box = piece.box;
-    box = {glm::dvec3(std::numeric_limits<double>::infinity()), glm::dvec3(-std::numeric_limits<double>::infinity())};
-    for (std::size_t i = first; i < first + piece.count; ++i) {
-        box.least = glm::min(box.least, glm::dvec3(bounds.xMin[i], bounds.yMin[i], bounds.dMin[i]));
-        box.most = glm::max(box.most, glm::dvec3(bounds.xMax[i], bounds.yMax[i], bounds.dMax[i]));
-    }
+    piece.box = bounds.boxAround(first, piece.count);
     return piece;
 }
 

@@ -44,6 +44,8 @@ struct ResidentImage {
     std::uint32_t captured = 0, level = 0; ///< of which image it is a level, and which
     bool hasCoarser = false;
     double middleReach = 0; ///< metres from the camera to the tile in the middle of those of the captured image
+    std::uint32_t firstPiece = 0, pieceCount = 0;     ///< of its tiles
+    std::uint32_t firstCoarser = 0, coarserCount = 0; ///< of a captured image: its coarser levels
 };
 
 /// A chunk of the block of image `captured`, and where its samples lie: within radius of the centre (metres, world),
@@ -85,6 +87,9 @@ class SceneIndex {
     std::vector<TilePiece> pieces;
     std::vector<IndexedChunk> chunks;
     std::vector<ImageSphere> spheres; ///< of the captured images
+
+    /// The pieces of these images, image by image, into numbers.
+    void findPiecesOf(std::span<const std::uint32_t> ofImages, std::vector<std::uint32_t>& numbers) const;
 
     /// Finds out, once, what finerThan tells: needed where chunks come and go.
     void findFiner();

@@ -2,12 +2,28 @@
 
 #include "scene/footprint.h"
 
+#include <glm/common.hpp>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace render {
+
+namespace {
+
+/// As its tiles are tested, all together: planes are moved out by more than is lost in single precision.
+bool isOutside(const scene::SampleBox& box, const ImagePlanes& planes) {
+    return std::any_of(planes.inside.begin(), planes.inside.end(), [&](const glm::vec4& plane) {
+        const glm::dvec4 p(plane);
+        return std::max(p.x * box.least.x, p.x * box.most.x) + std::max(p.y * box.least.y, p.y * box.most.y) + p.z +
+                   std::max(p.w * box.least.z, p.w * box.most.z) <
+               0;
+    });
+}
+
+} // namespace
 
 void TileBounds::append(const scene::Tile& tile, const scene::Camera& camera) {
     const scene::SampleBox box = scene::boxOf(tile, camera);
@@ -27,6 +43,16 @@ BoundsExtent TileBounds::extentOf(std::size_t first, std::size_t count) const {
         extent.disparity = std::max(extent.disparity, dMax[i]);
     }
     return extent;
+}
+
+scene::SampleBox TileBounds::boxAround(std::size_t first, std::size_t count) const {
+    scene::SampleBox box{glm::dvec3(std::numeric_limits<double>::infinity()),
+                         glm::dvec3(-std::numeric_limits<double>::infinity())};
+    for (std::size_t i = first; i < first + count; ++i) {
+        box.least = glm::min(box.least, glm::dvec3(xMin[i], yMin[i], dMin[i]));
+        box.most = glm::max(box.most, glm::dvec3(xMax[i], yMax[i], dMax[i]));
+    }
+    return box;
 }
 
 ImagePlanes planesOf(const glm::dmat4& eyeImageFromSource, int width, int height, double marginPixels,
@@ -50,16 +76,22 @@ ImagePlanes planesOf(const glm::dmat4& eyeImageFromSource, int width, int height
     return planes;
 }
 
-void cull(const TileBounds& bounds, std::span<const TilePiece> pieces, std::span<const ImagePlanes> planesOfImages,
+std::vector<std::uint32_t> numbersOf(std::span<const TilePiece> pieces) {
+    std::vector<std::uint32_t> numbers(pieces.size());
+    std::iota(numbers.begin(), numbers.end(), 0u);
+    return numbers;
+}
+
+void cull(const TileBounds& bounds, std::span<const TilePiece> pieces, const PlanesFor& planesFor,
           VisibleTiles& visible) {
     visible.slots.resize(bounds.size());
-    visible.counts.resize(pieces.size());
-    tbb::parallel_for(std::size_t{0}, pieces.size(), [&](std::size_t i) {
-        const TilePiece& piece = pieces[i];
-        visible.counts[i] = 0;
-        if (planesOfImages[piece.image].isOut) return;
-        visible.counts[i] = static_cast<std::uint32_t>(findVisible(
-            bounds, piece.first, piece.count, planesOfImages[piece.image], visible.slots.data() + piece.first));
+    visible.counts.assign(visible.pieces.size(), 0);
+    tbb::parallel_for(std::size_t{0}, visible.pieces.size(), [&](std::size_t i) {
+        const TilePiece& piece = pieces[visible.pieces[i]];
+        const std::optional<ImagePlanes> planes = planesFor(piece);
+        if (!planes || isOutside(piece.box, *planes)) return;
+        visible.counts[i] = static_cast<std::uint32_t>(
+            findVisible(bounds, piece.first, piece.count, *planes, visible.slots.data() + piece.first));
     });
 }
 

@@ -15,7 +15,9 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <limits>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -33,21 +35,20 @@ struct TileBounds {
     void append(const scene::Tile& tile, const scene::Camera& camera);
     std::size_t size() const { return xMin.size(); }
     BoundsExtent extentOf(std::size_t first, std::size_t count) const;
+    scene::SampleBox boxAround(std::size_t first, std::size_t count) const;
 };
 
 /// Tiles of one image that are tested together.
 struct TilePiece {
     std::uint32_t image = 0, first = 0, count = 0;
-    /// If the tiles are drawn only for eyes near their camera: how far from it their surfaces are at most, metres.
-    /// Infinite for tiles that are always drawn.
-    double reachMetres = std::numeric_limits<double>::infinity();
-    scene::SampleBox box{}; ///< around those of its tiles
+    double reachMetres = std::numeric_limits<double>::infinity(); ///< from the camera to the tiles' surfaces, at most
+    scene::SampleBox box{};                                       ///< around those of its tiles
+    bool isBase = true; ///< else its tiles are drawn only for eyes near their camera
 };
 
 /// Inside where a x + b y + c + e d >= 0; as (a, b, c, e), to be multiplied with (x, y, 1, d).
 struct ImagePlanes {
     std::array<glm::vec4, 5> inside{};
-    bool isOut = false; ///< nothing of the image can be seen: the planes do not count
 };
 
 /// The edges of an eye's image and its plane w = 0, as seen by the source image. The edges stand marginPixels
@@ -64,12 +65,20 @@ std::size_t findVisible(const TileBounds& bounds, std::size_t first, std::size_t
 /// What one eye sees: piece by piece, in the pieces' order whatever thread culled them. Kept from frame to
 /// frame.
 struct VisibleTiles {
-    std::vector<std::uint32_t> slots;  ///< piece i writes from its own first tile's place on
-    std::vector<std::uint32_t> counts; ///< per piece
+    std::vector<std::uint32_t> pieces; ///< numbers of those that were asked about
+    std::vector<std::uint32_t> counts; ///< of their tiles, for each of them
+    std::vector<std::uint32_t> slots;  ///< a piece writes from its own first tile's place on
 };
 
-/// Culls all pieces against the planes of their images with TBB.
-void cull(const TileBounds& bounds, std::span<const TilePiece> pieces, std::span<const ImagePlanes> planesOfImages,
+/// All of them.
+std::vector<std::uint32_t> numbersOf(std::span<const TilePiece> pieces);
+
+/// The planes that a piece's tiles are tested against, or nothing if none of them is wanted. Asked by many threads at a
+/// time.
+using PlanesFor = std::function<std::optional<ImagePlanes>(const TilePiece&)>;
+
+/// Culls visible.pieces with TBB.
+void cull(const TileBounds& bounds, std::span<const TilePiece> pieces, const PlanesFor& planesFor,
           VisibleTiles& visible);
 
 } // namespace render

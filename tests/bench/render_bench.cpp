@@ -235,7 +235,10 @@ void eyesAtOnceAgainstInTurn(benchmark::State& state) {
         eye.planes.clear();
         for (std::size_t k = 0; k < eye.sources.size(); ++k)
             eye.planes.push_back(planesOf(eye.sources[k].eyeImageFromSource, 640, 480, 3, scene.images()[k].extent));
-        cull(scene.bounds(), scene.pieces(), eye.planes, eye.visible);
+        eye.visible.pieces = numbersOf(scene.pieces());
+        cull(
+            scene.bounds(), scene.pieces(), [&](const TilePiece& piece) { return eye.planes[piece.image]; },
+            eye.visible);
         chooseDraws(scene.index(), scene.places(), eye.sources, eye.visible, {}, eye.list);
         writeDraws(scene.index(), scene.places(), eye.sources, eye.list, eye.target.draws[0].as<TileDraw>());
         const VkCommandBuffer commands = streams.begin(0, static_cast<int>(i));

@@ -6,12 +6,17 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include <algorithm>
 #include <array>
 #include <cstring>
+#include <limits>
+#include <optional>
 #include <random>
 
 namespace render {
 namespace {
+
+constexpr double kMargin = 3; ///< pixels
 
 struct Many {
     SceneIndex scene;
@@ -47,6 +52,7 @@ Many manyTiles(std::uint32_t count) {
         many.scene.pieces.push_back({0, first, std::min(100u, count - first)});
         many.visible.counts.push_back(many.scene.pieces.back().count);
     }
+    many.visible.pieces = numbersOf(many.scene.pieces);
     return many;
 }
 
@@ -68,6 +74,7 @@ TEST(DrawList, GoesPageByPage) {
     for (const DrawRun& run : list.runs) {
         EXPECT_EQ(run.first, next);
         EXPECT_TRUE(next == 0 || run.page > page);
+        EXPECT_EQ(run.number, &run - list.runs.data());
         next += run.count, page = run.page;
         for (std::uint32_t i = run.first; i < run.first + run.count; ++i)
             items += draws[i].span.z;
@@ -136,13 +143,114 @@ TEST(DrawList, PlainTilesHaveRunsOfTheirOwn) {
 }
 
 TEST(DrawList, IsTheSameOnAnyNumberOfThreads) {
-    const Many many = manyTiles(5000);
+    const Many many = manyTiles(50000); // enough for several parts to be put in order at the same time
     std::vector<std::vector<TileDraw>> draws(2);
     for (std::size_t run = 0; run < 2; ++run) {
         const tbb::global_control threads(tbb::global_control::max_allowed_parallelism, run + 1);
         listOf(many, {}, draws[run]);
     }
     EXPECT_EQ(std::memcmp(draws[0].data(), draws[1].data(), draws[0].size() * sizeof(TileDraw)), 0);
+}
+
+TEST(DrawList, OfManyTilesHasEachOnceAndRunsInTheOrderOfMemory) {
+    const Many many = manyTiles(50000);
+    std::vector<TileDraw> draws;
+    DrawList list;
+    chooseDraws(many.scene, many.places, many.sources, many.visible, {.maxFootprint = 2, .footprintScale = 3}, list,
+                240 * 180);
+    draws.assign(list.tiles, {});
+    writeDraws(many.scene, many.places, many.sources, list, draws);
+    std::vector<int> drawn(50000, 0);
+    std::uint32_t batches = 0, next = 0;
+    float farthestBefore = std::numeric_limits<float>::infinity(); // of the batch before
+    float nearest = 0, farthest = farthestBefore;
+    for (const DrawRun& run : list.runs) {
+        EXPECT_EQ(run.first, next);
+        next += run.count;
+        if (run.number == 0 && run.first > 0) {
+            EXPECT_GT(run.batch, batches);
+            batches = run.batch, farthestBefore = farthest, nearest = 0;
+        }
+        EXPECT_EQ(run.batch, batches);
+        for (std::uint32_t i = run.first, before = 0; i < next; ++i) {
+            const DrawList::Chosen& chosen = list.chosen[list.order[i]];
+            ++drawn[chosen.tile];
+            EXPECT_TRUE(i == run.first || chosen.tile > before);
+            before = chosen.tile;
+            EXPECT_EQ(many.places[chosen.tile].page, run.page);
+            EXPECT_EQ(draws[i].detail.w, static_cast<float>(run.number));
+            nearest = std::max(nearest, chosen.orderDisparity);
+            farthest = std::min(farthest, chosen.orderDisparity);
+        }
+        EXPECT_LE(nearest, farthestBefore * 1.125f) << "bins are an eighth of an octave";
+    }
+    EXPECT_EQ(next, list.tiles);
+    EXPECT_EQ(batches, 7u);
+    for (std::size_t i = 0; i < drawn.size(); ++i)
+        EXPECT_EQ(drawn[i], many.scene.tiles[i].pointCount > 0 ? 1 : 0) << i;
+}
+
+/// What is chosen of all pieces, or of those that the eye and the knobs want: tile, warp and order level of each draw.
+std::vector<std::array<std::uint32_t, 3>> chosenFrom(const SceneIndex& index, std::span<const ChunkPlace> places,
+                                                     const scene::View& eye, const Quality& quality, bool isOfAll) {
+    SourceViews sources;
+    VisibleTiles visible;
+    findSourceViews(index, eye, quality, kMargin, {}, sources);
+    if (isOfAll) sources.of = sourceViewsOf(index.images, eye, quality);
+    if (isOfAll)
+        visible.pieces = numbersOf(index.pieces);
+    else
+        index.findPiecesOf(sources.seen, visible.pieces);
+    const auto planesFor = [&](const TilePiece& piece) -> std::optional<ImagePlanes> {
+        const SourceView& source = sources.of[piece.image];
+        if (!isOfAll && !mayBeChosen(piece, source, quality, hasGaps(places))) return std::nullopt;
+        return planesOf(source.eyeImageFromSource, eye.camera.width, eye.camera.height, kMargin,
+                        index.images[piece.image].extent);
+    };
+    cull(index.bounds, index.pieces, planesFor, visible);
+    DrawList list;
+    chooseDraws(index, places, sources.of, visible, quality, list);
+    std::vector<std::array<std::uint32_t, 3>> found;
+    for (const std::uint32_t place : list.order) {
+        const DrawList::Chosen& chosen = list.chosen[place];
+        found.push_back({chosen.tile, static_cast<std::uint32_t>(chosen.warp), chosen.orderLevel});
+    }
+    std::sort(found.begin(), found.end());
+    return found;
+}
+
+TEST(DrawList, PiecesThatArePassedOverHoldNothingThatIsDrawn) {
+    CutScene room = roomInAllTiers();
+    room = cutInLevels(std::move(room.images));
+    const std::vector<scene::TileBlock> blocks = room.blocks();
+    SceneIndex index(blocks, 16 << 10);
+    index.findFiner();
+    std::vector<ChunkPlace> places;
+    for (std::uint32_t i = 0; i < index.chunks.size(); ++i)
+        places.push_back({i % 3, 2 * i});
+    std::mt19937 random(8);
+    std::size_t drawn = 0, standIns = 0;
+    for (int i = 0; i < 60; ++i) {
+        const scene::View eye{cameraOf(320, 240, 0.6 + 0.02 * i),
+                              poseAt({0.05 * (i % 7) - 0.1, 0.02 * (i % 5), 0.1 * (i % 11) - 0.5}, 0.5 * i, 0.1)};
+        Quality quality;
+        quality.warp = i % 2 == 0 ? Warp::points : Warp::adaptive;
+        quality.samplePixels = 0.75 * (i % 4);
+        quality.farSamplePixels = i % 3 == 0 ? 4 : 0;
+        quality.preference.nearBaseline = i % 5 == 0 ? 0 : 0.1f;
+        const auto all = chosenFrom(index, places, eye, quality, true);
+        EXPECT_EQ(chosenFrom(index, places, eye, quality, false), all) << i;
+        drawn += all.size();
+        std::vector<ChunkPlace> some = places;
+        for (std::size_t k = 0; k < some.size(); ++k)
+            if (index.chunks[k].chunk.level < 2 && random() % 2 == 0) some[k] = {};
+        const auto ofSome = chosenFrom(index, some, eye, quality, true);
+        EXPECT_EQ(chosenFrom(index, some, eye, quality, false), ofSome) << i;
+        for (const auto& [tile, warp, level] : ofSome)
+            standIns += index.images[index.tiles[tile].image].level > 0 ? 1 : 0;
+    }
+    EXPECT_GT(drawn, 1000u);
+    EXPECT_GT(standIns, 100u);
 }
 
 TEST(DrawList, FootprintsStayWithinTheirLimit) {

@@ -126,13 +126,14 @@ TEST_F(EdgeCases, WhatHiddenTilesAreLeftOutOfIsTheSamePicture) {
                 without.leavesOutHidden = false;
                 EXPECT_TRUE(isSame(draw(view, with), draw(view, without))) << static_cast<int>(warp) << " " << i;
                 DrawList list;
-                VisibleTiles all;
+                VisibleTiles all{numbersOf(scene.pieces()), {}, {}};
                 const auto sources = sourceViewsOf(scene.images(), view, with);
                 std::vector<ImagePlanes> planes;
                 for (std::size_t k = 0; k < sources.size(); ++k)
                     planes.push_back(
                         planesOf(sources[k].eyeImageFromSource, kEye.width, kEye.height, 4, scene.images()[k].extent));
-                cull(scene.bounds(), scene.pieces(), planes, all);
+                cull(
+                    scene.bounds(), scene.pieces(), [&](const TilePiece& piece) { return planes[piece.image]; }, all);
                 chooseDraws(scene.index(), scene.places(), sources, all, with, list,
                             static_cast<double>(kEye.width * kEye.height));
                 batches = std::max<std::size_t>(batches, list.runs.back().batch + 1);

@@ -153,8 +153,9 @@ Seen seenBy(const GpuScene& scene, const scene::View& view, const Quality& quali
     std::vector<ImagePlanes> planes;
     for (std::size_t k = 0; k < sources.size(); ++k)
         planes.push_back(planesOf(sources[k].eyeImageFromSource, kEye.width, kEye.height, 4, scene.images()[k].extent));
-    VisibleTiles visible;
-    cull(scene.bounds(), scene.pieces(), planes, visible);
+    VisibleTiles visible{numbersOf(scene.pieces()), {}, {}};
+    cull(
+        scene.bounds(), scene.pieces(), [&](const TilePiece& piece) { return planes[piece.image]; }, visible);
     Seen seen;
     chooseDraws(scene.index(), scene.places(), sources, visible, quality, seen.list, kEye.width * kEye.height);
     return seen;
@@ -168,7 +169,7 @@ TEST_F(StereoTest, EveryDrawOfEitherEyeStandsInOnePair) {
     for (const Eyes& eyes : pairsOfEyes()) {
         const Seen left = seenBy(scene, eyes[0], qualityOf(Warp::points)),
                    right = seenBy(scene, eyes[1], qualityOf(Warp::points));
-        ASSERT_TRUE(uniteDraws(scene.index(), scene.places(), left.list, right.list, pairs));
+        ASSERT_TRUE(uniteDraws(scene.tiles().size(), left.list, right.list, pairs));
         std::vector<int> drawnLeft(left.list.tiles, 0), drawnRight(right.list.tiles, 0);
         std::uint32_t next = 0, batch = 0, run = 0;
         for (const DrawRun& of : pairs.runs) {
@@ -206,7 +207,7 @@ TEST_F(StereoTest, EveryDrawOfEitherEyeStandsInOnePair) {
     EXPECT_GT(batches, 1u);
 
     const Seen surfaces = seenBy(scene, pairsOfEyes()[0][0], qualityOf(Warp::mesh));
-    EXPECT_FALSE(uniteDraws(scene.index(), scene.places(), surfaces.list, surfaces.list, pairs));
+    EXPECT_FALSE(uniteDraws(scene.tiles().size(), surfaces.list, surfaces.list, pairs));
 }
 
 } // namespace

@@ -181,11 +181,15 @@ TEST(Visibility, IsTheSameOnAnyNumberOfThreads) {
     const std::vector<ImagePlanes> planes{planesOf(c, 640, 480, 1, boxes.extent)};
     std::vector<TilePiece> pieces;
     for (std::uint32_t first = 0; first < 10000; first += 300)
-        pieces.push_back({0, first, std::min(300u, 10000 - first)});
-    std::vector<VisibleTiles> results(2);
+        pieces.push_back({.image = 0,
+                          .first = first,
+                          .count = std::min(300u, 10000 - first),
+                          .box = boxes.bounds.boxAround(first, std::min(300u, 10000 - first))});
+    std::vector<VisibleTiles> results(2, {numbersOf(pieces), {}, {}});
     for (std::size_t run = 0; run < 2; ++run) {
         const tbb::global_control threads(tbb::global_control::max_allowed_parallelism, run + 1);
-        cull(boxes.bounds, pieces, planes, results[run]);
+        cull(
+            boxes.bounds, pieces, [&](const TilePiece& piece) { return planes[piece.image]; }, results[run]);
     }
     EXPECT_EQ(results[0].counts, results[1].counts);
     for (std::size_t p = 0; p < pieces.size(); ++p)
