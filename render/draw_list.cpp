@@ -171,17 +171,14 @@ bool isWhollyWanted(const SourceView& source, const scene::SampleBox& box, doubl
 
 TileDraw tileDrawOf(const glm::dmat4& c, const ResidentTile& tile, int orderLevel) {
     const double perScale = 1.0 / static_cast<double>(scene::orderScale(orderLevel));
-    const auto hOf = [&](const glm::dvec4& sample) {
-        const glm::dvec4 h = c * sample;
-        return glm::dvec4(h.x, h.y, h.z, h.w * perScale);
-    };
+    const auto pushedBack = [&](const glm::dvec4& h) { return vec4(glm::dvec4(h.x, h.y, h.z, h.w * perScale)); };
     const double step =
         (static_cast<double>(tile.maxDisparity) - tile.minDisparity) / scene::maxQuantisedOf(tile.placeBits);
     TileDraw draw;
-    draw.base = glm::vec4(hOf({tile.x0 + 0.5, tile.y0 + 0.5, 1.0, tile.minDisparity}));
-    draw.perX = glm::vec4(hOf({1, 0, 0, 0}));
-    draw.perY = glm::vec4(hOf({0, 1, 0, 0}));
-    draw.perQ = glm::vec4(hOf({0, 0, 0, step}));
+    draw.base = pushedBack(c * glm::dvec4(tile.x0 + 0.5, tile.y0 + 0.5, 1.0, tile.minDisparity));
+    draw.perX = pushedBack(c[0]);
+    draw.perY = pushedBack(c[1]);
+    draw.perQ = pushedBack(step * c[3]);
     draw.span = {tile.firstVertex, 0, 0, packMark(static_cast<uint>(orderLevel), classOf(tile, {}), tile.placeBits, 1)};
     draw.source = {static_cast<uint>(tile.x0), static_cast<uint>(tile.y0), (tile.width + 1) << 8 | tile.height << 20,
                    0};

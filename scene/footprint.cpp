@@ -24,10 +24,10 @@ double sampleWidthInEye(const glm::dmat4& c, const SampleBox& box) {
             for (const double x : {box.least.x, box.most.x}) {
                 const glm::dvec3 h = x * cx + y * cy + c1 + d * cd; // (u w, v w, w)
                 if (h.z <= 0) return std::numeric_limits<double>::infinity();
-                const double u = h.x / h.z, v = h.y / h.z;
+                const double perW = 1 / h.z, u = h.x * perW, v = h.y * perW;
                 const double across = std::abs(cx.x - u * cx.z) + std::abs(cy.x - u * cy.z);
                 const double down = std::abs(cx.y - v * cx.z) + std::abs(cy.y - v * cy.z);
-                widest = std::max(widest, std::max(across, down) / h.z);
+                widest = std::max(widest, std::max(across, down) * perW);
             }
     return widest;
 }
