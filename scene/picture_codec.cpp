@@ -95,17 +95,17 @@ struct FreeJpeg {
 };
 
 Decoded decodeJpeg(Bytes bytes, PictureKind kind) {
-    if (kind == PictureKind::grey) return std::nullopt;
     const std::unique_ptr<void, FreeJpeg> jpeg(tjInitDecompress());
     if (!jpeg) return cv::Mat();
     int width = 0, height = 0, sampling = 0, space = 0;
     if (tjDecompressHeader3(jpeg.get(), bytes.data(), bytes.size(), &width, &height, &sampling, &space) != 0)
         return std::nullopt;
     if (space == TJCS_CMYK || space == TJCS_YCCK) return std::nullopt;
+    if (kind == PictureKind::grey && space == TJCS_RGB) return std::nullopt;
     const std::uint64_t pixels = static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height);
     if (pixels > kMostPixels) return cv::Mat();
     if (pixels > bytes.size() * kBestHuffman) return std::nullopt;
-    const bool isGrey = kind == PictureKind::asStored && space == TJCS_GRAY;
+    const bool isGrey = kind == PictureKind::grey || (kind == PictureKind::asStored && space == TJCS_GRAY);
     cv::Mat picture(height, width, isGrey ? CV_8UC1 : CV_8UC3);
     // The first warning ends it: after one, TurboJPEG does not tell what else went wrong.
     if (tjDecompress2(jpeg.get(), bytes.data(), bytes.size(), picture.data, width, 0, height,

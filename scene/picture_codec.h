@@ -1,6 +1,6 @@
 #pragma once
 // Pictures as cameras and others write them: PNG by libspng, JPEG by libjpeg-turbo, and what these do not give as asked
-// (grey, most of 16 bits, other formats, files they warn of) by OpenCV's imgcodecs. On that hang a hundred libraries,
+// (PNG in grey, most of 16 bits, other formats, files they warn of) by OpenCV's imgcodecs. On that hang a hundred libraries,
 // which took most of the program's start: it is loaded with the first picture it is needed for.
 
 #include "scene/image.h"
@@ -23,8 +23,8 @@ enum class PictureKind : std::uint8_t {
     asStored ///< channels (blue, green, red, alpha) and bits of the file
 };
 
-/// Empty where the bytes are no picture, are damaged, or have more than 2^30 pixels; PNG, and JPEG in colour, also
-/// where they are cut off. Throws Failure where OpenCV's part cannot be loaded.
+/// Empty where the bytes are no picture, are damaged, or have more than 2^30 pixels; PNG and JPEG also where they are
+/// cut off. Throws Failure where OpenCV's part cannot be loaded.
 cv::Mat decodePicture(std::span<const std::uint8_t> bytes, PictureKind kind);
 /// Empty also where the file cannot be read.
 cv::Mat readPicture(const std::filesystem::path& path, PictureKind kind);

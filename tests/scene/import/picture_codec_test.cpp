@@ -102,11 +102,13 @@ TEST(PictureCodec, ReadsWhatOpenCvReads) {
 
 TEST(PictureCodec, WhatIsCutOffOrDamagedIsNoPicture) {
     const Bytes png = encoded(".png", noise(40, 30, CV_8UC3)), jpeg = encoded(".jpg", noise(40, 30, CV_8UC3));
-    for (const Bytes& whole : {png, jpeg})
-        for (const std::size_t share : {0, 1, 5, 9}) {
-            const Bytes part(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(whole.size() * share / 10));
-            EXPECT_TRUE(decodePicture(part, PictureKind::colour).empty()) << share << " tenths";
-        }
+    const Bytes greyPng = encoded(".png", noise(40, 30, CV_8UC1)), greyJpeg = encoded(".jpg", noise(40, 30, CV_8UC1));
+    for (const Bytes& whole : {png, jpeg, greyPng, greyJpeg})
+        for (const PictureKind kind : {PictureKind::colour, PictureKind::grey, PictureKind::asStored})
+            for (const std::size_t share : {0, 1, 5, 9}) {
+                const Bytes part(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(whole.size() * share / 10));
+                EXPECT_TRUE(decodePicture(part, kind).empty()) << share << " tenths, " << static_cast<int>(kind);
+            }
     Bytes flipped = png;
     flipped[flipped.size() / 2] ^= 1;
     EXPECT_TRUE(decodePicture(flipped, PictureKind::colour).empty());
