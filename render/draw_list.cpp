@@ -128,6 +128,14 @@ bool isAllBefore(const glm::dmat4& c, const scene::SampleBox& box) {
 /// Pixels. Squares of tiles whose samples are wider may be shared among a subgroup's lanes (warp_mesh.comp).
 constexpr int kWidestPlainSquare = 8;
 
+/// Pixels. An invocation on a processor draws an eighth of a tile's samples: of wider ones that is more than lavapipe
+/// lets it (shaders/shared/large_part.h).
+constexpr std::uint32_t kWidestShared = 8;
+
+Reach plainIf(bool isPlain) {
+    return isPlain ? Reach::plain : Reach::any;
+}
+
 /// How far a sample reaches in the eye, and whether the tile is plain: points of one pixel; splats of two at most; a
 /// mesh before the eye, of small squares; and of meshes and facets, which ask it square by square or pixel by pixel,
 /// all is of this level.
@@ -137,21 +145,21 @@ void findReach(const SourceView& source, const scene::SampleBox& box, const Qual
     const bool isWhole = chosen.detail.x == 0.0f && source.share == 1;
     switch (chosen.warp) {
     case Warp::points:
-        chosen.reach = footprintOf(c, box, quality, chosen.isStandIn);
-        chosen.isPlain = chosen.reach == 1;
+        chosen.width = footprintOf(c, box, quality, chosen.isStandIn);
+        chosen.reach = chosen.width == 1 ? Reach::plain : chosen.width <= kWidestShared ? Reach::any : Reach::wide;
         break;
     case Warp::splats: {
         const float radius = scene::splatRadiusOf(c, box, quality.splatScale, quality.maxSplat);
-        chosen.reach = glm::floatBitsToUint(radius);
-        chosen.isPlain = coversTwoAtMost(radius);
+        chosen.width = glm::floatBitsToUint(radius);
+        chosen.reach = plainIf(coversTwoAtMost(radius));
         break;
     }
     case Warp::mesh:
-        chosen.isPlain = isWhole && isAllBefore(c, box) &&
-                         scene::footprintOf(c, box, 1, kWidestPlainSquare + 1) <= kWidestPlainSquare;
+        chosen.reach = plainIf(isWhole && isAllBefore(c, box) &&
+                               scene::footprintOf(c, box, 1, kWidestPlainSquare + 1) <= kWidestPlainSquare);
         break;
     case Warp::adaptive:
-        chosen.isPlain = isWhole;
+        chosen.reach = plainIf(isWhole);
         break;
     }
 }
@@ -303,10 +311,10 @@ void writeDraws(const SceneIndex& scene, std::span<const ChunkPlace> places, std
             std::uint32_t footprint = 1;
             if (chosen.warp == Warp::points) {
                 draw.span.y = place.firstTexel + tile.firstVertex;
-                footprint = chosen.reach;
+                footprint = chosen.width;
             } else if (chosen.warp == Warp::splats) {
                 draw.span.y = place.firstTexel + tile.firstVertex;
-                draw.span.x = chosen.reach;
+                draw.span.x = chosen.width;
             } else if (chosen.warp == Warp::mesh) {
                 draw.span.y = place.firstTexel + tile.firstQuad;
             } else {

@@ -12,18 +12,22 @@
 
 namespace render {
 
+/// How much of their warp tiles need (findReach in draw_list.cpp): no more than most do, anything, or samples of so
+/// many pixels that a processor must deal them out to more invocations.
+enum class Reach : std::uint8_t { plain, any, wide };
+
 /// Consecutive draws from one page by one shader.
 struct DrawRun {
     std::uint32_t page = 0, first = 0, count = 0; ///< count: kMaxWorkgroups at most
     Warp warp = Warp::points;
     std::uint32_t batch = 0;  ///< ascending: nearer ones come before
     std::uint32_t number = 0; ///< of its batch
-    bool isPlain = false;     ///< its tiles need no more of their warp than most do (findReach in draw_list.cpp)
+    Reach reach = Reach::any;
 };
 
 /// Whether draws of both can be put together.
 inline bool areOfOneRun(const DrawRun& a, const DrawRun& b) {
-    return a.page == b.page && a.warp == b.warp && a.batch == b.batch && a.isPlain == b.isPlain;
+    return a.page == b.page && a.warp == b.warp && a.batch == b.batch && a.reach == b.reach;
 }
 
 struct DrawList {
@@ -34,9 +38,10 @@ struct DrawList {
     /// which order (render/draw_order.h).
     struct Chosen {
         std::uint32_t tile = 0, page = 0, items = 0, orderLevel = 0;
-        bool isStandIn = false, isPlain = false;
+        bool isStandIn = false;
         Warp warp = Warp::points;
-        std::uint32_t reach = 0; ///< of a sample in the eye: points' footprint, or the bits of splats' radius
+        Reach reach = Reach::any;
+        std::uint32_t width = 0; ///< of a sample in the eye: points' footprint, or the bits of splats' radius
         vec4 detail{0};
         float orderDisparity = 0; ///< of the tile's middle; infinite if that is not before the eye
         float area = 0;           ///< square pixels that its samples cover, about

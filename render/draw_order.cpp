@@ -19,7 +19,8 @@ namespace {
 constexpr std::uint32_t kBatches = 8;
 constexpr std::array kWarpsInOrder{Warp::adaptive, Warp::mesh, Warp::points, Warp::splats};
 constexpr std::uint32_t kWarps = kWarpsInOrder.size();
-constexpr std::uint32_t kKindsOfBatch = 2 * kWarps * 2; ///< near or far, warp, plain or not
+constexpr std::uint32_t kReaches = 3;
+constexpr std::uint32_t kKindsOfBatch = 2 * kWarps * kReaches; ///< near or far, warp, reach
 constexpr std::uint32_t kKinds = kBatches * kKindsOfBatch;
 
 /// Samples are put into a batch until they could cover the picture so many times. Those of one batch may hide each
@@ -108,16 +109,16 @@ std::uint32_t kindOf(const DrawList::Chosen& chosen, const BatchEnds& batchEnds)
         ++rank;
     // Points stand among the others: so they were measured before they looked at what is there already.
     const bool isFar = chosen.orderLevel == scene::kMaxOrderLevel && chosen.warp != Warp::points;
-    return batch * kKindsOfBatch + 2 * (rank + (isFar ? kWarps : 0)) + (chosen.isPlain ? 0 : 1);
+    return batch * kKindsOfBatch + kReaches * (rank + (isFar ? kWarps : 0)) + static_cast<std::uint32_t>(chosen.reach);
 }
 std::uint32_t batchOf(std::uint32_t kind) {
     return kind / kKindsOfBatch;
 }
 Warp warpOf(std::uint32_t kind) {
-    return kWarpsInOrder[kind / 2 % kWarps];
+    return kWarpsInOrder[kind / kReaches % kWarps];
 }
-bool isPlainOf(std::uint32_t kind) {
-    return kind % 2 == 0;
+Reach reachOf(std::uint32_t kind) {
+    return static_cast<Reach>(kind % kReaches);
 }
 
 /// How many are drawn of each kind from each page, counted by part. A bucket is one kind and one page.
@@ -143,7 +144,7 @@ std::vector<std::uint32_t> joinFewPlain(Buckets& buckets) {
     std::iota(joined.begin(), joined.end(), 0u);
     for (std::size_t plain = 0; plain < buckets.perPart; ++plain) {
         const std::uint32_t kind = buckets.kindOf(plain);
-        if (!isPlainOf(kind) || warpOf(kind) == Warp::splats) continue;
+        if (reachOf(kind) != Reach::plain || warpOf(kind) == Warp::splats) continue;
         const std::size_t others = plain + buckets.pages;
         const std::uint32_t count = buckets.total(plain);
         if (count == 0 || count >= kLeastPlain || buckets.total(others) == 0) continue;
@@ -168,7 +169,7 @@ void makeRuns(const Buckets& buckets, DrawList& list) {
                          warpOf(kind),
                          batchOf(kind),
                          0,
-                         isPlainOf(kind)};
+                         reachOf(kind)};
             if (list.runs.empty() || !areOfOneRun(list.runs.back(), next) || list.runs.back().count == kMaxWorkgroups) {
                 const bool isOfBatch = !list.runs.empty() && list.runs.back().batch == next.batch;
                 next.number = isOfBatch ? list.runs.back().number + 1 : 0;

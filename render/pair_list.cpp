@@ -10,9 +10,11 @@ namespace render {
 
 namespace {
 
+/// Wide samples are drawn otherwise on processors.
 bool isOfSamples(const DrawList& list) {
-    return std::all_of(list.runs.begin(), list.runs.end(),
-                       [](const DrawRun& run) { return run.warp == Warp::points || run.warp == Warp::splats; });
+    return std::all_of(list.runs.begin(), list.runs.end(), [](const DrawRun& run) {
+        return (run.warp == Warp::points || run.warp == Warp::splats) && run.reach != Reach::wide;
+    });
 }
 
 const DrawList::Chosen& chosenOf(const DrawList& list, std::uint32_t draw) {

@@ -75,9 +75,13 @@ EyeTarget makeEyeTarget(const Device& device, VkDescriptorSetLayout eyeLayout, i
     constexpr VkBufferUsageFlags kPicture = kTexels | VK_BUFFER_USAGE_TRANSFER_SRC_BIT;
     target.colours = Buffer(device, pixels * sizeof(std::uint32_t), kPicture, MemoryUse::onDevice);
     target.depths = Buffer(device, pixels * sizeof(float), kPicture, MemoryUse::onDevice);
+    constexpr VkBufferUsageFlags kTransferred = VK_BUFFER_USAGE_TRANSFER_DST_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT;
     const auto holes = static_cast<std::size_t>(pinholesAt(width, height, height));
-    target.holes = Buffer(device, std::max(holes, kLeastHoles) * sizeof(std::uint32_t),
-                          kStorage | VK_BUFFER_USAGE_TRANSFER_DST_BIT, MemoryUse::onDevice);
+    target.holes = Buffer(device, std::max(holes, kLeastHoles) * sizeof(std::uint32_t), kTransferred | kStorage,
+                          MemoryUse::onDevice);
+    target.listedGroups =
+        Buffer(device, sizeof(VkDispatchIndirectCommand),
+               VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT, MemoryUse::onDevice);
     target.zTexels = makeTexelView(device, target.zBuffer);
     const auto occluders = static_cast<std::size_t>(occludersAlong(width) * occludersAlong(height));
     target.occluders = Buffer(device, occluders * sizeof(Occluder), kTexels, MemoryUse::onDevice);

@@ -28,6 +28,7 @@ struct EyeTarget {
     /// Which pixels hold anything, and a list for each row (shaders/shared/hole_words.h); before that is asked, what
     /// the warp's large pieces leave to others (shaders/shared/large_part.h).
     Buffer holes;
+    Buffer listedGroups; ///< an indirect dispatch: so many workgroups draw what was left
     BufferView zTexels;
     Buffer occluders, passed, passedRuns; ///< see shaders/shared/occlusion.h
     BufferView occluderTexels;

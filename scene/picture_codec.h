@@ -1,7 +1,7 @@
 #pragma once
 // Pictures as cameras and others write them: PNG by libspng, JPEG by libjpeg-turbo, and what these do not give as asked
-// (PNG in grey, most of 16 bits, other formats, files they warn of) by OpenCV's imgcodecs. On that hang a hundred libraries,
-// which took most of the program's start: it is loaded with the first picture it is needed for.
+// (PNG in grey, most of 16 bits, other formats, files they warn of) by OpenCV's imgcodecs. On that hang a hundred
+// libraries, which took most of the program's start: it is loaded with the first picture it is needed for.
 
 #include "scene/image.h"
 

@@ -24,6 +24,8 @@ constexpr Barrier kBetween{kCompute, VK_ACCESS_SHADER_WRITE_BIT, kCompute,
 constexpr std::uint32_t kResolvedTogether = 128, kWordsListedTogether = 128, kHolesFilledTogether = 64;
 /// So many holes of a row wait for one another: one hole takes long, and few rows have many.
 constexpr std::uint32_t kHolesInTurn = 4;
+/// Of a row, for a workgroup on a processor: lavapipe lets none go through loops for too long.
+constexpr std::uint32_t kPixelsFilledByProcessor = 1024;
 
 std::uint32_t groupsOf(int pixels, std::uint32_t size) {
     return (static_cast<std::uint32_t>(pixels) + size - 1) / size;
@@ -68,7 +70,7 @@ void recordResolve(VkCommandBuffer commands, const ResolvePass& pass, VkDescript
     dispatch(commands, pass.listing, eyeSet, constants, 1);
     record(commands, kBetween);
     dispatch(commands, pass.filling, eyeSet, constants,
-             pass.isByRows ? 1 : groupsOf(width, kHolesFilledTogether * kHolesInTurn));
+             groupsOf(width, pass.isByRows ? kPixelsFilledByProcessor : kHolesFilledTogether * kHolesInTurn));
 }
 
 } // namespace render

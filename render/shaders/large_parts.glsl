@@ -4,12 +4,26 @@
 
 layout(constant_id = 3) const uint LARGE_PIECES = kDrawsLarge;
 layout(constant_id = 4) const uint LARGE_PIXELS = 256u; // pieces of more are drawn by all lanes of a subgroup
+layout(constant_id = 5) const uint MOST_STEPS = 0u;     // 0: very large pieces are listed; else what takes more steps
+layout(constant_id = 6) const uint MOST_GROUPS = 1024u; // that draw what is listed
 
-layout(std430, set = 1, binding = 5) buffer LargeParts { uint wanted; uint unused[3]; LargePart parts[]; };
+layout(std430, set = 1, binding = 5) buffer LargeParts { uint wanted; uint groups[3]; LargePart parts[]; };
+
+uint stepsTaken = 0u; // through loops over pixels of large pieces
 
 ivec2 extentOf(PixelBox box)
 {
     return max(box.last - box.first + 1, 0);
+}
+
+/// Whether a piece is to be listed rather than drawn by these lanes.
+bool isForOthers(ivec2 extent, int lanes)
+{
+    if (MOST_STEPS == 0u) return extent.x * extent.y > kPartSide * kPartSide;
+    uint steps = uint(extent.x * extent.y / lanes + extent.x + extent.y) + 1u;
+    if (stepsTaken + steps > MOST_STEPS) return true;
+    stepsTaken += steps;
+    return false;
 }
 
 /// Asks whether the parts of a piece are on the list now; else it must be drawn. By all lanes that are there of a
@@ -17,9 +31,13 @@ ivec2 extentOf(PixelBox box)
 bool listParts(uint draw, uint item, PixelBox box, int myPlace, int lanes)
 {
     ivec2 extent = extentOf(box);
-    if (LARGE_PIECES != kListsLarge || extent.x * extent.y <= kPartSide * kPartSide) return false;
+    if (LARGE_PIECES != kListsLarge || !isForOthers(extent, lanes)) return false;
     uint count = partsOf(extent), room = uint(parts.length()), first = room;
-    if (myPlace == 0 && wanted < room) first = atomicAdd(wanted, count);
+    if (myPlace == 0 && wanted < room) {
+        first = atomicAdd(wanted, count);
+        atomicMax(groups[0], min(first + count, MOST_GROUPS));
+        groups[1] = groups[2] = 1u;
+    }
     first = subgroupBroadcastFirst(first);
     bool fits = count <= room && first <= room - count;
     for (uint i = uint(myPlace); i < count && first + i < room; i += uint(lanes))

@@ -31,6 +31,14 @@ layout(push_constant) uniform Constants { WarpConstants constants; };
 
 const uint kIndexMask = 0x7fffu, kDrawn = 1u << 15;
 
+/// Squares of more pixels are drawn by all lanes together. Of tiles with very many on a processor fewer are drawn by one:
+/// it may go through loops only so often.
+int largePixelsOf(TileDraw draw)
+{
+    const uint many = 1200u;
+    return MOST_STEPS != 0u && draw.span.z > many ? 64 : int(LARGE_PIXELS);
+}
+
 struct Square {
     vec3 topLeft, topRight, bottomLeft, bottomRight; // projected
     uint colours[4];                                 // in the same order
@@ -190,7 +198,7 @@ void drawLarge(TileDraw draw, uint drawNumber, uint levelAndClass, uvec2 items)
         bool isLarge = false;
         if (number < items.y) {
             ivec2 extent = extentOf(warpSquare(draw, number).box);
-            isLarge = extent.x * extent.y > int(LARGE_PIXELS);
+            isLarge = extent.x * extent.y > largePixelsOf(draw);
         }
         // Not every lane of a subgroup need be there: the workgroup may be smaller.
         uvec4 present = subgroupBallot(true), large = subgroupBallot(isLarge);
@@ -249,7 +257,7 @@ void main()
         Square square = warpSquare(draw, number);
         ivec2 extent = extentOf(square.box);
         int pixels = extent.x * extent.y;
-        bool isLarge = IS_PLAIN == 0u && pixels > int(LARGE_PIXELS);
+        bool isLarge = IS_PLAIN == 0u && pixels > largePixelsOf(draw);
         hasLarge = hasLarge || isLarge;
         ivec2 offset = ivec2(0);
         for (int i = isLarge ? pixels : 0; i < pixels; ++i) {

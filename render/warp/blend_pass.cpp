@@ -23,12 +23,16 @@ constexpr Barrier kAfterClear{VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER
 } // namespace
 
 BlendPass makeBlendPass(const Device& device, VkDescriptorSetLayout pageLayout, VkDescriptorSetLayout eyeLayout) {
-    const std::uint32_t size = device.workgroupSize(128);
+    // On a processor by more than one vector: of the widest spots each invocation has fewer then, and lavapipe lets
+    // none go through loops for too long (shaders/shared/large_part.h).
+    constexpr std::uint32_t kAddedTogetherOnProcessor = 64;
+    const std::uint32_t size = device.workgroupSize(128),
+                        addSize = device.isProcessor() ? kAddedTogetherOnProcessor : size;
     BlendPass pass;
     pass.layout = makeSetLayout(device, kBindings);
     pass.add = makeComputePipeline(device, kBlendCode,
                                    std::array<VkDescriptorSetLayout, 3>{pageLayout, eyeLayout, pass.layout},
-                                   sizeof(WarpConstants), std::array{size});
+                                   sizeof(WarpConstants), std::array{addSize});
     pass.resolve =
         makeComputePipeline(device, kBlendResolveCode, std::array<VkDescriptorSetLayout, 2>{eyeLayout, pass.layout},
                             sizeof(BlendResolveConstants), std::array{size});

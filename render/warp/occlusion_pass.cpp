@@ -101,7 +101,7 @@ void recordWarpInBatches(VkCommandBuffer commands, const OcclusionPass& pass, co
         });
         recordPassed(commands, warps, scene, eyeSet, target, now, width, height);
     }
-    recordListed(commands, warps, scene, eyeSet, all, width, height);
+    recordListed(commands, warps, scene, eyeSet, target, all, width, height);
 }
 
 } // namespace render

@@ -25,8 +25,16 @@ struct WarpRow {
     std::uint32_t largePixels = 0; ///< pieces of more are drawn by a subgroup; 0: none are
 };
 
-/// So many workgroups take parts from the list of large pieces. Most frames have none.
-constexpr std::uint32_t kListedTogether = 1024;
+/// So many workgroups at most take parts from the list of large pieces. On a processor so many that none takes too
+/// many steps, however long the list.
+constexpr std::uint32_t kListedTogether = 1024, kListedOnProcessor = 4096;
+
+/// So many times a workgroup on a processor goes through loops over the pixels of large pieces, before it lists what is
+/// left: a quarter of what lavapipe lets it, since small pieces and the list take some, too.
+constexpr std::uint32_t kMostStepsOnProcessor = 16000;
+
+/// Points wider than kWidestShared are drawn by so many invocations on a processor: each has fewer of them then.
+constexpr std::uint32_t kWidePointsTogether = 512;
 
 /// Of workgroups a card does well with large ones, where tiles have that many squares; they have fewer facets
 /// (docs/performance.md).
@@ -50,15 +58,20 @@ WarpPass makeWarpPass(const Device& device, Warp warp, VkDescriptorSetLayout pag
     constexpr std::uint32_t kSharingLanes = 8; // as in shaders/read_draw.glsl
     const WarpRow row = rowOf(device, warp);
     const bool sharesReading = device.isProcessor() && row.workgroupSize == kSharingLanes;
+    const std::uint32_t mostSteps = device.isProcessor() ? kMostStepsOnProcessor : 0,
+                        mostGroups = device.isProcessor() ? kListedOnProcessor : kListedTogether;
     const auto pipelineFor = [&](bool isPlain, std::uint32_t largePieces) {
         return makeComputePipeline(device, row.code, std::array{pageLayout, eyeLayout}, sizeof(WarpConstants),
                                    std::array{row.workgroupSize, std::uint32_t{sharesReading}, std::uint32_t{isPlain},
-                                              largePieces, row.largePixels});
+                                              largePieces, row.largePixels, mostSteps, mostGroups});
     };
-    // A processor has no more workers than tiles.
-    if (row.largePixels == 0 || device.isProcessor())
-        return {pipelineFor(false, kDrawsLarge), pipelineFor(true, kDrawsLarge), {}};
-    return {pipelineFor(false, kListsLarge), pipelineFor(true, kListsLarge), pipelineFor(false, kDrawsListed)};
+    if (row.largePixels > 0)
+        return {pipelineFor(false, kListsLarge), pipelineFor(true, kListsLarge), {}, pipelineFor(false, kDrawsListed)};
+    WarpPass pass{pipelineFor(false, kDrawsLarge), pipelineFor(true, kDrawsLarge), {}, {}};
+    if (device.isProcessor() && warp == Warp::points)
+        pass.wide = makeComputePipeline(device, row.code, std::array{pageLayout, eyeLayout}, sizeof(WarpConstants),
+                                        std::array{kWidePointsTogether, 0u, 0u});
+    return pass;
 }
 
 void bindPage(VkCommandBuffer commands, VkPipelineLayout layout, const GpuScene& scene, const DrawRun& run) {
@@ -123,21 +136,34 @@ void recordPassed(VkCommandBuffer commands, const WarpPasses& passes, const GpuS
 }
 
 void recordListed(VkCommandBuffer commands, const WarpPasses& passes, const GpuScene& scene, VkDescriptorSet eyeSet,
-                  std::span<const DrawRun> runs, int width, int height) {
+                  const EyeTarget& target, std::span<const DrawRun> runs, int width, int height) {
     constexpr VkAccessFlags kBoth = VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT;
-    constexpr VkPipelineStageFlags kCompute = VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT;
+    constexpr VkPipelineStageFlags kCompute = VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT,
+                                   kTransfer = VK_PIPELINE_STAGE_TRANSFER_BIT,
+                                   kIndirect = VK_PIPELINE_STAGE_DRAW_INDIRECT_BIT;
+    constexpr Barrier kAfterListing{kCompute | kIndirect, kBoth, kTransfer,
+                                    VK_ACCESS_TRANSFER_READ_BIT | VK_ACCESS_TRANSFER_WRITE_BIT};
+    constexpr Barrier kBeforeDrawing{kCompute | kTransfer, kBoth | VK_ACCESS_TRANSFER_WRITE_BIT, kCompute | kIndirect,
+                                     kBoth | VK_ACCESS_INDIRECT_COMMAND_READ_BIT};
     bool isFirst = true;
     for (const DrawRun& run : runs) {
         const ComputePipeline& listed = passes[static_cast<std::size_t>(run.warp)].listed;
-        const bool hasNone = run.isPlain && run.warp == Warp::mesh;
+        const bool hasNone = run.reach == Reach::plain && run.warp == Warp::mesh;
         if (listed.pipeline == VK_NULL_HANDLE || hasNone) continue;
-        if (isFirst) record(commands, {kCompute, kBoth, kCompute, kBoth});
-        isFirst = false;
+        if (isFirst) {
+            // Copied, since what draws the list might write to it, for all that anybody knows who orders the
+            // dispatches.
+            record(commands, kAfterListing);
+            const VkBufferCopy groups{kLargePartsGroups * sizeof(std::uint32_t), 0, sizeof(VkDispatchIndirectCommand)};
+            vkCmdCopyBuffer(commands, target.holes.handle(), target.listedGroups.handle(), 1, &groups);
+            record(commands, kBeforeDrawing);
+            isFirst = false;
+        }
         vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, listed.pipeline);
         vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, listed.layout, 1, 1, &eyeSet, 0, nullptr);
         bindPage(commands, listed.layout, scene, run);
         push(commands, listed.layout, {run.first, width, height, run.count});
-        vkCmdDispatch(commands, kListedTogether, 1, 1);
+        vkCmdDispatchIndirect(commands, target.listedGroups.handle(), 0);
     }
 }
 

@@ -17,10 +17,14 @@ struct EyeTarget;
 
 struct WarpPass {
     ComputePipeline any, plain; ///< plain: for runs of plain tiles
+    ComputePipeline wide;       ///< for runs of wide samples, where those need one of their own
     /// Draws parts of large pieces that the others have put on a list (shaders/shared/large_part.h); none if they do
     /// not.
     ComputePipeline listed;
-    const ComputePipeline& of(const DrawRun& run) const { return run.isPlain ? plain : any; }
+    const ComputePipeline& of(const DrawRun& run) const {
+        if (run.reach == Reach::wide && wide.pipeline != VK_NULL_HANDLE) return wide;
+        return run.reach == Reach::plain ? plain : any;
+    }
 };
 using WarpPasses = std::array<WarpPass, 4>; ///< by Warp
 
@@ -36,9 +40,9 @@ void recordRuns(VkCommandBuffer commands, VkPipelineLayout layout, const GpuScen
 void recordWarp(VkCommandBuffer commands, const WarpPasses& passes, const GpuScene& scene, VkDescriptorSet eyeSet,
                 std::span<const DrawRun> runs, int width, int height);
 
-/// What the runs' large pieces have left to other workgroups; after all of them, on devices that do so.
+/// What the runs' large pieces have left to other workgroups; after all of them. target: where they have listed it.
 void recordListed(VkCommandBuffer commands, const WarpPasses& passes, const GpuScene& scene, VkDescriptorSet eyeSet,
-                  std::span<const DrawRun> runs, int width, int height);
+                  const EyeTarget& target, std::span<const DrawRun> runs, int width, int height);
 
 /// The same for what has passed a test (render/warp/occlusion_pass.h): how many of run i, the device knows.
 void recordPassed(VkCommandBuffer commands, const WarpPasses& passes, const GpuScene& scene, VkDescriptorSet eyeSet,

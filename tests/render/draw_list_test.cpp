@@ -131,9 +131,9 @@ TEST(DrawList, PlainTilesHaveRunsOfTheirOwn) {
         std::uint32_t plain = 0, others = 0, joined = 0;
         for (const DrawRun& run : listOf(many, {.warp = warp}, draws).runs)
             for (std::uint32_t i = run.first; i < run.first + run.count; ++i) {
-                EXPECT_TRUE(!run.isPlain || isPlainIndeed(draws[i], warp)) << i;
-                (run.isPlain ? plain : others) += 1;
-                joined += !run.isPlain && isPlainIndeed(draws[i], warp);
+                EXPECT_TRUE(run.reach != Reach::plain || isPlainIndeed(draws[i], warp)) << i;
+                (run.reach == Reach::plain ? plain : others) += 1;
+                joined += run.reach != Reach::plain && isPlainIndeed(draws[i], warp);
             }
         EXPECT_GT(plain, 100u);
         EXPECT_GT(others, 100u);

@@ -4,8 +4,11 @@
 // picture, and the one workgroup that draws their tile would be all that works. A graphics card puts parts of them on a
 // list instead, and as many workgroups as it has draw those.
 //
+// Lavapipe has no more workers than tiles, and draws them at once, but ends loops silently: an invocation goes 65,535
+// times through loops, all of them together, and no farther. There a workgroup lists what would take it too far.
+//
 // The list lies where the holes of the picture do (shared/hole_words.h), which are looked for later: the number of
-// parts that wanted to be on it, three words, and the parts.
+// parts that wanted to be on it, how many workgroups draw them (as an indirect dispatch has it), and the parts.
 
 #include "render/shaders/shared/language.h"
 
@@ -20,7 +23,8 @@ struct LargePart {
 };
 
 SHARED_CONSTANT uint kNoPart = 0xffffffffu;
-SHARED_CONSTANT uint kLargePartsHead = 4u; ///< words before the first
+SHARED_CONSTANT uint kLargePartsHead = 4u;   ///< words before the first
+SHARED_CONSTANT uint kLargePartsGroups = 1u; ///< word from which on the workgroups stand
 
 /// What a pipeline does with large pieces: draws them; lists them; draws those that are listed.
 SHARED_CONSTANT uint kDrawsLarge = 0u, kListsLarge = 1u, kDrawsListed = 2u;
