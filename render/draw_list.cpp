@@ -132,6 +132,9 @@ constexpr int kWidestPlainSquare = 8;
 /// lets it (shaders/shared/large_part.h).
 constexpr std::uint32_t kWidestShared = 8;
 
+/// Square pixels. The pieces of a tile may lie over one another a few times, and their boxes twice as often.
+constexpr double kLargestShared = 32768;
+
 Reach plainIf(bool isPlain) {
     return isPlain ? Reach::plain : Reach::any;
 }
@@ -155,11 +158,13 @@ void findReach(const SourceView& source, const scene::SampleBox& box, const Qual
         break;
     }
     case Warp::mesh:
-        chosen.reach = plainIf(isWhole && isAllBefore(c, box) &&
-                               scene::footprintOf(c, box, 1, kWidestPlainSquare + 1) <= kWidestPlainSquare);
+        chosen.reach = scene::boxAreaInEye(c, box) > kLargestShared
+                           ? Reach::wide
+                           : plainIf(isWhole && isAllBefore(c, box) &&
+                                     scene::footprintOf(c, box, 1, kWidestPlainSquare + 1) <= kWidestPlainSquare);
         break;
     case Warp::adaptive:
-        chosen.reach = plainIf(isWhole);
+        chosen.reach = scene::boxAreaInEye(c, box) > kLargestShared ? Reach::wide : plainIf(isWhole);
         break;
     }
 }

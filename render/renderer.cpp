@@ -57,6 +57,13 @@ std::size_t pixelsOf(const PictureSize& size) {
     return static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height);
 }
 
+std::uint32_t mostPointsOf(const GpuScene& scene) {
+    std::uint32_t most = 0;
+    for (const ResidentTile& tile : scene.tiles())
+        most = std::max(most, tile.pointCount);
+    return most;
+}
+
 void recordClear(VkCommandBuffer commands, const EyeTarget& target, int width, int height) {
     const VkDeviceSize pixels = static_cast<VkDeviceSize>(width) * static_cast<VkDeviceSize>(height);
     vkCmdFillBuffer(commands, target.zBuffer.handle(), 0, pixels * sizeof(std::uint64_t), 0);
@@ -68,7 +75,8 @@ void recordClear(VkCommandBuffer commands, const EyeTarget& target, int width, i
 Renderer::Renderer(const Device& device, const GpuScene& scene, int width, int height, int eyes,
                    const GpuCoverage* coverage, const GpuPolygons* polygons)
     : device_(device), scene_(scene), width_(width), height_(height), eyeLayout_(makeEyeLayout(device)),
-      occlusion_(makeOcclusionPass(device, eyeLayout_)), blend_(makeBlendPass(device, scene.pageLayout(), eyeLayout_)),
+      occlusion_(makeOcclusionPass(device, eyeLayout_)),
+      blend_(makeBlendPass(device, scene.pageLayout(), eyeLayout_, mostPointsOf(scene))),
       resolve_(makeResolvePass(device, eyeLayout_)), rescale_(makeRescalePass(device)),
       depthPass_(makeDepthPass(device)), overlay_(makeOverlayPass(device, eyeLayout_)), coverage_(coverage),
       unseen_(coverage != nullptr ? makeUnseenPipeline(device, *coverage, eyeLayout_) : ComputePipeline{}),
@@ -102,7 +110,7 @@ FrameStats Renderer::draw(std::span<const scene::View> views, const Quality& qua
         eyes_[i].times.clear();
         if (!isStanding_) choose(eyes_[i], views[i], quality, static_cast<int>(i));
     });
-    if (!isStanding_) makeRoom(quality);
+    if (!isStanding_) makeRoom(quality), prepareForWideTiles();
     isOnePass_ = !isStanding_ && unite(quality, slot, stats);
     tbb::parallel_for(std::size_t{0}, eyes_.size(), [&](std::size_t i) {
         const int index = static_cast<int>(i);
@@ -148,6 +156,14 @@ void Renderer::makeWarps(const std::vector<Warp>& wanted) {
         WarpPass& pass = warps_[static_cast<std::size_t>(warp)];
         if (pass.any.pipeline == VK_NULL_HANDLE) pass = makeWarpPass(device_, warp, scene_.pageLayout(), eyeLayout_);
     }
+}
+
+void Renderer::prepareForWideTiles() {
+    for (const Eye& eye : eyes_)
+        for (const DrawRun& run : eye.list.runs)
+            if (run.reach == Reach::wide)
+                prepareForWide(device_, run.warp, scene_.pageLayout(), eyeLayout_,
+                               warps_[static_cast<std::size_t>(run.warp)]);
 }
 
 void Renderer::useCoverage(const GpuCoverage* coverage) {

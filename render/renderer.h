@@ -133,6 +133,7 @@ class Renderer {
     /// Those that are not made yet. A graphics card's driver compiles when a pipeline is made: there all are made at
     /// first.
     void makeWarps(const std::vector<Warp>& wanted);
+    void prepareForWideTiles();
     void chooseResolution(const Quality& quality, bool hasLabels);
     void chooseEdgeSamples(const Quality& quality);
     /// What is warped into has room for so many pixels a side.

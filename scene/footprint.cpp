@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include <glm/common.hpp>
 #include <glm/matrix.hpp>
 
 namespace scene {
@@ -30,6 +31,20 @@ double sampleWidthInEye(const glm::dmat4& c, const SampleBox& box) {
                 widest = std::max(widest, std::max(across, down) * perW);
             }
     return widest;
+}
+
+double boxAreaInEye(const glm::dmat4& c, const SampleBox& box) {
+    glm::dvec2 least(std::numeric_limits<double>::infinity()), most(-least);
+    for (const double d : {box.least.z, box.most.z})
+        for (const double y : {box.least.y, box.most.y})
+            for (const double x : {box.least.x, box.most.x}) {
+                const glm::dvec3 h =
+                    x * glm::dvec3(c[0]) + y * glm::dvec3(c[1]) + glm::dvec3(c[2]) + d * glm::dvec3(c[3]);
+                if (h.z <= 0) return std::numeric_limits<double>::infinity();
+                const glm::dvec2 at = glm::dvec2(h) * (1 / h.z);
+                least = glm::min(least, at), most = glm::max(most, at);
+            }
+    return (most.x - least.x) * (most.y - least.y);
 }
 
 double sampleAreaInEye(const glm::dmat4& c, const SampleBox& box) {

@@ -22,6 +22,10 @@ SampleBox boxOf(const Tile& tile, const Camera& camera);
 /// reaches behind the eye.
 double sampleWidthInEye(const glm::dmat4& eyeImageFromSourceImage, const SampleBox& box);
 
+/// Square pixels of the rectangle about all that the samples of a box, and what lies between them, cover in the eye's
+/// plane, beyond the edges of its image, too. Infinite if the box reaches behind the eye.
+double boxAreaInEye(const glm::dmat4& eyeImageFromSourceImage, const SampleBox& box);
+
 /// Square pixels that a source pixel covers in the eye's image at the middle of the box: the determinant of the warp's
 /// Jacobian at constant disparity. Infinite behind the eye.
 double sampleAreaInEye(const glm::dmat4& eyeImageFromSourceImage, const SampleBox& box);

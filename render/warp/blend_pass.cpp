@@ -22,12 +22,14 @@ constexpr Barrier kAfterClear{VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER
 
 } // namespace
 
-BlendPass makeBlendPass(const Device& device, VkDescriptorSetLayout pageLayout, VkDescriptorSetLayout eyeLayout) {
-    // On a processor by more than one vector: of the widest spots each invocation has fewer then, and lavapipe lets
-    // none go through loops for too long (shaders/shared/large_part.h).
-    constexpr std::uint32_t kAddedTogetherOnProcessor = 64;
-    const std::uint32_t size = device.workgroupSize(128),
-                        addSize = device.isProcessor() ? kAddedTogetherOnProcessor : size;
+BlendPass makeBlendPass(const Device& device, VkDescriptorSetLayout pageLayout, VkDescriptorSetLayout eyeLayout,
+                        std::uint32_t mostPoints) {
+    // Lavapipe lets no invocation go through loops for too long (shaders/shared/large_part.h): of the widest spots, 33
+    // pixels across, each may add so many.
+    constexpr std::uint32_t kMostAddedInTurn = 64, kVector = 8;
+    const std::uint32_t size = device.workgroupSize(128), inTurn = kMostAddedInTurn * kVector;
+    const std::uint32_t vectors = std::max((mostPoints + inTurn - 1) / inTurn, 1u),
+                        addSize = device.isProcessor() ? vectors * kVector : size;
     BlendPass pass;
     pass.layout = makeSetLayout(device, kBindings);
     pass.add = makeComputePipeline(device, kBlendCode,

@@ -27,7 +27,9 @@ struct BlendTarget {
     std::array<VkDescriptorSet, kFramesInFlight> sets{};
 };
 
-BlendPass makeBlendPass(const Device& device, VkDescriptorSetLayout pageLayout, VkDescriptorSetLayout eyeLayout);
+/// mostPoints: of any tile.
+BlendPass makeBlendPass(const Device& device, VkDescriptorSetLayout pageLayout, VkDescriptorSetLayout eyeLayout,
+                        std::uint32_t mostPoints);
 
 /// Throws scene::Failure if the device cannot see such an image or list at once.
 BlendTarget makeBlendTarget(const Device& device, const BlendPass& pass, std::size_t pixels, std::size_t maxDraws);

@@ -29,8 +29,8 @@ struct WarpRow {
 /// many steps, however long the list.
 constexpr std::uint32_t kListedTogether = 1024, kListedOnProcessor = 4096;
 
-/// So many times a workgroup on a processor goes through loops over the pixels of large pieces, before it lists what is
-/// left: a quarter of what lavapipe lets it, since small pieces and the list take some, too.
+/// So many times a workgroup on a processor goes through loops over the pixels of a wide tile's large pieces, before it
+/// lists what is left: a quarter of what lavapipe lets it, since small pieces and the list take some, too.
 constexpr std::uint32_t kMostStepsOnProcessor = 16000;
 
 /// Points wider than kWidestShared are drawn by so many invocations on a processor: each has fewer of them then.
@@ -53,25 +53,51 @@ WarpRow rowOf(const Device& device, Warp warp) {
 
 } // namespace
 
+namespace {
+
+/// Pipelines of one warp's shader.
+class Maker {
+  public:
+    Maker(const Device& device, Warp warp, VkDescriptorSetLayout pageLayout, VkDescriptorSetLayout eyeLayout)
+        : device_(device), row_(rowOf(device, warp)), layouts_{pageLayout, eyeLayout} {}
+
+    bool hasLarge() const { return row_.largePixels > 0; }
+    ComputePipeline make(bool isPlain, std::uint32_t largePieces) const {
+        constexpr std::uint32_t kSharingLanes = 8; // as in shaders/read_draw.glsl
+        const bool isProcessor = device_.isProcessor();
+        const bool sharesReading = isProcessor && row_.workgroupSize == kSharingLanes;
+        return makeComputePipeline(device_, row_.code, layouts_, sizeof(WarpConstants),
+                                   std::array{row_.workgroupSize, std::uint32_t{sharesReading}, std::uint32_t{isPlain},
+                                              largePieces, row_.largePixels, isProcessor ? kMostStepsOnProcessor : 0u,
+                                              isProcessor ? kListedOnProcessor : kListedTogether});
+    }
+    ComputePipeline makeOfMany(std::uint32_t together) const {
+        return makeComputePipeline(device_, row_.code, layouts_, sizeof(WarpConstants), std::array{together, 0u, 0u});
+    }
+
+  private:
+    const Device& device_;
+    WarpRow row_;
+    std::array<VkDescriptorSetLayout, 2> layouts_;
+};
+
+} // namespace
+
 WarpPass makeWarpPass(const Device& device, Warp warp, VkDescriptorSetLayout pageLayout,
                       VkDescriptorSetLayout eyeLayout) {
-    constexpr std::uint32_t kSharingLanes = 8; // as in shaders/read_draw.glsl
-    const WarpRow row = rowOf(device, warp);
-    const bool sharesReading = device.isProcessor() && row.workgroupSize == kSharingLanes;
-    const std::uint32_t mostSteps = device.isProcessor() ? kMostStepsOnProcessor : 0,
-                        mostGroups = device.isProcessor() ? kListedOnProcessor : kListedTogether;
-    const auto pipelineFor = [&](bool isPlain, std::uint32_t largePieces) {
-        return makeComputePipeline(device, row.code, std::array{pageLayout, eyeLayout}, sizeof(WarpConstants),
-                                   std::array{row.workgroupSize, std::uint32_t{sharesReading}, std::uint32_t{isPlain},
-                                              largePieces, row.largePixels, mostSteps, mostGroups});
-    };
-    if (row.largePixels > 0)
-        return {pipelineFor(false, kListsLarge), pipelineFor(true, kListsLarge), {}, pipelineFor(false, kDrawsListed)};
-    WarpPass pass{pipelineFor(false, kDrawsLarge), pipelineFor(true, kDrawsLarge), {}, {}};
-    if (device.isProcessor() && warp == Warp::points)
-        pass.wide = makeComputePipeline(device, row.code, std::array{pageLayout, eyeLayout}, sizeof(WarpConstants),
-                                        std::array{kWidePointsTogether, 0u, 0u});
-    return pass;
+    const Maker maker(device, warp, pageLayout, eyeLayout);
+    // On a processor there is no need to list but in wide tiles, and what is not needed costs.
+    if (!maker.hasLarge() || device.isProcessor())
+        return {maker.make(false, kDrawsLarge), maker.make(true, kDrawsLarge), {}, {}};
+    return {maker.make(false, kListsLarge), maker.make(true, kListsLarge), {}, maker.make(false, kDrawsListed)};
+}
+
+void prepareForWide(const Device& device, Warp warp, VkDescriptorSetLayout pageLayout, VkDescriptorSetLayout eyeLayout,
+                    WarpPass& pass) {
+    if (!device.isProcessor() || pass.wide.pipeline != VK_NULL_HANDLE) return;
+    const Maker maker(device, warp, pageLayout, eyeLayout);
+    pass.wide = maker.hasLarge() ? maker.make(false, kListsLarge) : maker.makeOfMany(kWidePointsTogether);
+    if (maker.hasLarge()) pass.listed = maker.make(false, kDrawsListed);
 }
 
 void bindPage(VkCommandBuffer commands, VkPipelineLayout layout, const GpuScene& scene, const DrawRun& run) {
@@ -147,9 +173,9 @@ void recordListed(VkCommandBuffer commands, const WarpPasses& passes, const GpuS
                                      kBoth | VK_ACCESS_INDIRECT_COMMAND_READ_BIT};
     bool isFirst = true;
     for (const DrawRun& run : runs) {
-        const ComputePipeline& listed = passes[static_cast<std::size_t>(run.warp)].listed;
-        const bool hasNone = run.reach == Reach::plain && run.warp == Warp::mesh;
-        if (listed.pipeline == VK_NULL_HANDLE || hasNone) continue;
+        const WarpPass& pass = passes[static_cast<std::size_t>(run.warp)];
+        if (!pass.mayList(run)) continue;
+        const ComputePipeline& listed = pass.listed;
         if (isFirst) {
             // Copied, since what draws the list might write to it, for all that anybody knows who orders the
             // dispatches.

@@ -17,7 +17,7 @@ struct EyeTarget;
 
 struct WarpPass {
     ComputePipeline any, plain; ///< plain: for runs of plain tiles
-    ComputePipeline wide;       ///< for runs of wide samples, where those need one of their own
+    ComputePipeline wide;       ///< for runs of wide tiles, where those need one of their own (prepareForWide)
     /// Draws parts of large pieces that the others have put on a list (shaders/shared/large_part.h); none if they do
     /// not.
     ComputePipeline listed;
@@ -25,11 +25,20 @@ struct WarpPass {
         if (run.reach == Reach::wide && wide.pipeline != VK_NULL_HANDLE) return wide;
         return run.reach == Reach::plain ? plain : any;
     }
+    bool mayList(const DrawRun& run) const {
+        if (listed.pipeline == VK_NULL_HANDLE) return false;
+        if (wide.pipeline != VK_NULL_HANDLE) return run.reach == Reach::wide;
+        return run.reach != Reach::plain || run.warp != Warp::mesh;
+    }
 };
 using WarpPasses = std::array<WarpPass, 4>; ///< by Warp
 
 WarpPass makeWarpPass(const Device& device, Warp warp, VkDescriptorSetLayout pageLayout,
                       VkDescriptorSetLayout eyeLayout);
+
+/// Makes what runs of wide tiles need, if that is not there yet: few frames have any.
+void prepareForWide(const Device& device, Warp warp, VkDescriptorSetLayout pageLayout, VkDescriptorSetLayout eyeLayout,
+                    WarpPass& pass);
 
 /// Dispatches one workgroup for each tile of the runs, with the page at set 0 of the bound pipeline and WarpConstants
 /// pushed.
