@@ -128,9 +128,9 @@ bool isAllBefore(const glm::dmat4& c, const scene::SampleBox& box) {
 /// Pixels. Squares of tiles whose samples are wider may be shared among a subgroup's lanes (warp_mesh.comp).
 constexpr int kWidestPlainSquare = 8;
 
-/// Pixels. An invocation on a processor draws an eighth of a tile's samples: of wider ones that is more than lavapipe
-/// lets it (shaders/shared/large_part.h).
-constexpr std::uint32_t kWidestShared = 8;
+/// Pixels. An invocation on a processor draws a quarter or an eighth of a tile's samples: of wider ones that is more
+/// than lavapipe lets it (shaders/shared/large_part.h).
+constexpr std::uint32_t kWidestShared = 6;
 
 /// Square pixels. The pieces of a tile may lie over one another a few times, and their boxes twice as often.
 constexpr double kLargestShared = 32768;

@@ -10,10 +10,9 @@ namespace render {
 
 namespace {
 
-/// Wide samples are drawn otherwise on processors.
-bool isOfSamples(const DrawList& list) {
-    return std::all_of(list.runs.begin(), list.runs.end(), [](const DrawRun& run) {
-        return (run.warp == Warp::points || run.warp == Warp::splats) && run.reach != Reach::wide;
+bool isOfSamples(const DrawList& list, bool mayBeWide) {
+    return std::all_of(list.runs.begin(), list.runs.end(), [&](const DrawRun& run) {
+        return (run.warp == Warp::points || run.warp == Warp::splats) && (mayBeWide || run.reach != Reach::wide);
     });
 }
 
@@ -54,8 +53,8 @@ void findPairs(std::size_t tiles, const DrawList& left, const DrawList& right, P
 
 } // namespace
 
-bool uniteDraws(std::size_t tiles, const DrawList& left, const DrawList& right, PairList& list) {
-    if (!isOfSamples(left) || !isOfSamples(right)) return false;
+bool uniteDraws(std::size_t tiles, const DrawList& left, const DrawList& right, bool mayBeWide, PairList& list) {
+    if (!isOfSamples(left, mayBeWide) || !isOfSamples(right, mayBeWide)) return false;
     findPairs(tiles, left, right, list);
 
     const auto highest = std::max_element(list.buckets.begin(), list.buckets.end());

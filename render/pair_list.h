@@ -20,9 +20,9 @@ struct PairList {
     std::vector<PairDraw> unsorted;
 };
 
-/// Whether the lists can be drawn in one pass: both of points and splats alone, none of them wide, in no more runs than
-/// can be tested. Only then are they united: a tile that both eyes draw in the same batch by the same warp becomes one
-/// pair, any other a pair for one eye. tiles: of the scene.
-bool uniteDraws(std::size_t tiles, const DrawList& left, const DrawList& right, PairList& list);
+/// Whether the lists can be drawn in one pass: both of points and splats alone, of wide tiles only if mayBeWide, in no
+/// more runs than can be tested. Only then are they united: a tile that both eyes draw in the same batch by the same
+/// warp becomes one pair, any other a pair for one eye. tiles: of the scene.
+bool uniteDraws(std::size_t tiles, const DrawList& left, const DrawList& right, bool mayBeWide, PairList& list);
 
 } // namespace render

@@ -239,9 +239,9 @@ bool Renderer::unite(const Quality& quality, std::size_t slot, FrameStats& stats
     if (!quality.isOnePass || !whyNotInOnePass(device_, quality, eyes()).empty()) return false;
     bool canBe = false;
     timed(stats.cpu, "unite", kWholeFrame, [&] {
-        canBe = uniteDraws(scene_.tiles().size(), eyes_[0].list, eyes_[1].list, pairs_);
+        canBe = uniteDraws(scene_.tiles().size(), eyes_[0].list, eyes_[1].list, !device_.isProcessor(), pairs_);
         if (!canBe) return;
-        if (!stereo_) stereo_ = makeStereoPass(device_, scene_.pageLayout(), eyeLayout_);
+        if (!stereo_) stereo_ = makeStereoPass(device_, scene_.pageLayout(), eyeLayout_, mostPointsOf(scene_));
         if (!stereoTarget_ || stereoTarget_->mostPairs < pairs_.pairs.size()) {
             streams_.waitForAll(); // what goes may be in use
             stereoTarget_.reset();

@@ -24,7 +24,8 @@ enum class PictureKind : std::uint8_t {
 };
 
 /// Empty where the bytes are no picture, are damaged, or have more than 2^30 pixels; PNG and JPEG also where they are
-/// cut off. Throws Failure where OpenCV's part cannot be loaded.
+/// cut off, but for what is left to OpenCV: JPEGs of print's colours, of RGB in grey, and of next to no bytes. Throws
+/// Failure where OpenCV's part cannot be loaded.
 cv::Mat decodePicture(std::span<const std::uint8_t> bytes, PictureKind kind);
 /// Empty also where the file cannot be read.
 cv::Mat readPicture(const std::filesystem::path& path, PictureKind kind);

@@ -1,7 +1,7 @@
 #version 460
 // The adaptive mesh: textured facets (shared/facet.h). One workgroup draws one tile. An invocation draws a facet by
 // itself while it is small; all invocations of a subgroup draw a large one together, and of a very large one graphics
-// cards list the parts, which other workgroups draw (shared/large_part.h). What is hidden already is passed over before
+// cards, and processors in wide tiles, list the parts, which other workgroups draw (shared/large_part.h). What is hidden already is passed over before
 // its texture is read: tiles that are likely seen come first.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_shader_explicit_arithmetic_types_int64 : require

@@ -3,7 +3,7 @@
 // are smaller than a pixel: fixed hardware is built for larger ones, and a software driver sets each up one by one.
 //
 // One workgroup draws one tile. An invocation draws a square by itself while it is small; all invocations of a subgroup
-// draw a large one together, and of a very large one graphics cards list the parts, which other workgroups draw
+// draw a large one together, and of a very large one graphics cards, and processors in wide tiles, list the parts, which other workgroups draw
 // (shared/large_part.h), so that a wall before the eye stalls nobody. Each square warps its four samples anew: that
 // costs less than sharing them does.
 //
@@ -31,12 +31,13 @@ layout(push_constant) uniform Constants { WarpConstants constants; };
 
 const uint kIndexMask = 0x7fffu, kDrawn = 1u << 15;
 
-/// Squares of more pixels are drawn by all lanes together. Of tiles with very many on a processor fewer are drawn by one:
-/// it may go through loops only so often.
+/// Squares of more pixels are drawn by all lanes together. On a processor of fewer where a tile has very many: each
+/// invocation may go through loops only so often.
 int largePixelsOf(TileDraw draw)
 {
-    const uint many = 1200u;
-    return MOST_STEPS != 0u && draw.span.z > many ? 64 : int(LARGE_PIXELS);
+    const uint mostSteps = 32000u;
+    uint turns = (draw.span.z + gl_WorkGroupSize.x - 1u) / gl_WorkGroupSize.x;
+    return MOST_STEPS != 0u ? clamp(int(mostSteps / max(turns, 1u)), 8, int(LARGE_PIXELS)) : int(LARGE_PIXELS);
 }
 
 struct Square {

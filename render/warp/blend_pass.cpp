@@ -24,12 +24,9 @@ constexpr Barrier kAfterClear{VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER
 
 BlendPass makeBlendPass(const Device& device, VkDescriptorSetLayout pageLayout, VkDescriptorSetLayout eyeLayout,
                         std::uint32_t mostPoints) {
-    // Lavapipe lets no invocation go through loops for too long (shaders/shared/large_part.h): of the widest spots, 33
-    // pixels across, each may add so many.
-    constexpr std::uint32_t kMostAddedInTurn = 64, kVector = 8;
-    const std::uint32_t size = device.workgroupSize(128), inTurn = kMostAddedInTurn * kVector;
-    const std::uint32_t vectors = std::max((mostPoints + inTurn - 1) / inTurn, 1u),
-                        addSize = device.isProcessor() ? vectors * kVector : size;
+    constexpr std::uint32_t kMostAddedInTurn = 48; // of the widest spots, 33 pixels across
+    const std::uint32_t size = device.workgroupSize(128);
+    const std::uint32_t addSize = togetherFor(device, 128, mostPoints, kMostAddedInTurn);
     BlendPass pass;
     pass.layout = makeSetLayout(device, kBindings);
     pass.add = makeComputePipeline(device, kBlendCode,

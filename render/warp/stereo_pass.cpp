@@ -46,9 +46,11 @@ std::string whyNotInOnePass(const Device& device, const Quality& quality, int ey
     return {};
 }
 
-StereoPass makeStereoPass(const Device& device, VkDescriptorSetLayout pageLayout, VkDescriptorSetLayout eyeLayout) {
-    // As for one eye (warp_pass.cpp).
-    const std::uint32_t size = device.workgroupSize(128);
+StereoPass makeStereoPass(const Device& device, VkDescriptorSetLayout pageLayout, VkDescriptorSetLayout eyeLayout,
+                          std::uint32_t mostPoints) {
+    // As for one eye (warp_pass.cpp), but that each invocation has the pixels of both: circles of 9 across at most.
+    constexpr std::uint32_t kMostInTurn = 300;
+    const std::uint32_t size = togetherFor(device, 128, mostPoints, kMostInTurn);
     StereoPass pass;
     pass.layout = makeSetLayout(device, kBindings);
     const std::array<VkDescriptorSetLayout, kSets> sets{pageLayout, eyeLayout, eyeLayout, pass.layout};

@@ -36,7 +36,9 @@ struct StereoTarget {
 /// Why a device cannot draw so many eyes of this quality in one pass, as a sentence; empty if it can.
 std::string whyNotInOnePass(const Device& device, const Quality& quality, int eyes);
 
-StereoPass makeStereoPass(const Device& device, VkDescriptorSetLayout pageLayout, VkDescriptorSetLayout eyeLayout);
+/// mostPoints: of any tile.
+StereoPass makeStereoPass(const Device& device, VkDescriptorSetLayout pageLayout, VkDescriptorSetLayout eyeLayout,
+                          std::uint32_t mostPoints);
 
 /// Throws scene::Failure if the device cannot see such a list at once.
 StereoTarget makeStereoTarget(const Device& device, const StereoPass& pass, std::size_t mostPairs);

@@ -27,7 +27,7 @@ struct WarpRow {
 
 /// So many workgroups at most take parts from the list of large pieces. On a processor so many that none takes too
 /// many steps, however long the list.
-constexpr std::uint32_t kListedTogether = 1024, kListedOnProcessor = 4096;
+constexpr std::uint32_t kListedTogether = 1024, kListedOnProcessor = 16384;
 
 /// So many times a workgroup on a processor goes through loops over the pixels of a wide tile's large pieces, before it
 /// lists what is left: a quarter of what lavapipe lets it, since small pieces and the list take some, too.
@@ -90,6 +90,14 @@ WarpPass makeWarpPass(const Device& device, Warp warp, VkDescriptorSetLayout pag
     if (!maker.hasLarge() || device.isProcessor())
         return {maker.make(false, kDrawsLarge), maker.make(true, kDrawsLarge), {}, {}};
     return {maker.make(false, kListsLarge), maker.make(true, kListsLarge), {}, maker.make(false, kDrawsListed)};
+}
+
+std::uint32_t togetherFor(const Device& device, std::uint32_t onCards, std::uint32_t mostPoints,
+                          std::uint32_t mostInTurn) {
+    const std::uint32_t size = device.workgroupSize(onCards);
+    if (!device.isProcessor()) return size;
+    const std::uint32_t ofOneVector = size * mostInTurn;
+    return size * std::max((mostPoints + ofOneVector - 1) / ofOneVector, 1u);
 }
 
 void prepareForWide(const Device& device, Warp warp, VkDescriptorSetLayout pageLayout, VkDescriptorSetLayout eyeLayout,

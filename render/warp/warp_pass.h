@@ -36,6 +36,11 @@ using WarpPasses = std::array<WarpPass, 4>; ///< by Warp
 WarpPass makeWarpPass(const Device& device, Warp warp, VkDescriptorSetLayout pageLayout,
                       VkDescriptorSetLayout eyeLayout);
 
+/// Invocations that draw a tile together: on a processor so many that none has more than mostInTurn of a tile's
+/// mostPoints (lavapipe lets none go through loops for too long: shaders/shared/large_part.h).
+std::uint32_t togetherFor(const Device& device, std::uint32_t onCards, std::uint32_t mostPoints,
+                          std::uint32_t mostInTurn);
+
 /// Makes what runs of wide tiles need, if that is not there yet: few frames have any.
 void prepareForWide(const Device& device, Warp warp, VkDescriptorSetLayout pageLayout, VkDescriptorSetLayout eyeLayout,
                     WarpPass& pass);

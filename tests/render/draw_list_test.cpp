@@ -246,6 +246,7 @@ TEST(DrawList, PiecesThatArePassedOverHoldNothingThatIsDrawn) {
             if (index.chunks[k].chunk.level < 2 && random() % 2 == 0) some[k] = {};
         const auto ofSome = chosenFrom(index, some, eye, quality, true);
         EXPECT_EQ(chosenFrom(index, some, eye, quality, false), ofSome) << i;
+        if (quality.samplePixels > 0) continue;
         for (const auto& [tile, warp, level] : ofSome)
             standIns += index.images[index.tiles[tile].image].level > 0 ? 1 : 0;
     }

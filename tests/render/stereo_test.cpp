@@ -169,7 +169,7 @@ TEST_F(StereoTest, EveryDrawOfEitherEyeStandsInOnePair) {
     for (const Eyes& eyes : pairsOfEyes()) {
         const Seen left = seenBy(scene, eyes[0], qualityOf(Warp::points)),
                    right = seenBy(scene, eyes[1], qualityOf(Warp::points));
-        ASSERT_TRUE(uniteDraws(scene.tiles().size(), left.list, right.list, pairs));
+        ASSERT_TRUE(uniteDraws(scene.tiles().size(), left.list, right.list, false, pairs));
         std::vector<int> drawnLeft(left.list.tiles, 0), drawnRight(right.list.tiles, 0);
         std::uint32_t next = 0, batch = 0, run = 0;
         for (const DrawRun& of : pairs.runs) {
@@ -207,7 +207,13 @@ TEST_F(StereoTest, EveryDrawOfEitherEyeStandsInOnePair) {
     EXPECT_GT(batches, 1u);
 
     const Seen surfaces = seenBy(scene, pairsOfEyes()[0][0], qualityOf(Warp::mesh));
-    EXPECT_FALSE(uniteDraws(scene.tiles().size(), surfaces.list, surfaces.list, pairs));
+    EXPECT_FALSE(uniteDraws(scene.tiles().size(), surfaces.list, surfaces.list, true, pairs));
+    const scene::View nearby{kEye, poseAt({0, 0, 1.8}, 0, 0)};
+    Quality widest = qualityOf(Warp::points);
+    widest.maxFootprint = 64;
+    const Seen wide = seenBy(scene, nearby, widest);
+    EXPECT_TRUE(uniteDraws(scene.tiles().size(), wide.list, wide.list, true, pairs));
+    EXPECT_FALSE(uniteDraws(scene.tiles().size(), wide.list, wide.list, false, pairs)) << "processors deal them out";
 }
 
 } // namespace
