@@ -148,25 +148,21 @@ scene::JointImages adjust(const scene::Capture& capture, const std::vector<std::
 json adjustPoses(scene::Capture& capture, const std::vector<std::size_t>& heldOut, const BuildOptions& options,
                  StageStore& store) {
     if (!options.movesPhotographs() || capture.photos.size() < 2) return nullptr;
-    const auto remark = [&](const std::string& sentence) {
-        std::fprintf(stderr, "note: %s\n", sentence.c_str());
-        capture.remarks.push_back(sentence);
-    };
     if (!capture.scans.empty()) {
-        remark("Photographs stand where they are said to stand: beside scans they are not laid on each other.");
+        tell(capture, "Photographs stand where they are said to stand: beside scans they are not laid on each other.");
         return nullptr;
     }
     const std::optional<Shrink> shrink = shrinkFor(capture, options.memoryBytes / 2);
     if (!shrink) {
-        remark("Photographs stand where they are said to stand: " + std::to_string(capture.photos.size()) +
-               " are too many to be laid on each other within --memory; give more.");
+        tell(capture, "Photographs stand where they are said to stand: " + std::to_string(capture.photos.size()) +
+                          " are too many to be laid on each other within --memory; give more.");
         return nullptr;
     }
     if (shrink->factor > shrink->wished)
-        remark("Photographs are laid on each other by pictures " +
-               std::to_string(pixelsAcross(capture) / shrink->factor) + " pixels across instead of " +
-               std::to_string(pixelsAcross(capture) / shrink->wished) +
-               ", which are all that --memory holds: poses may be less exact than with more.");
+        tell(capture, "Photographs are laid on each other by pictures " +
+                          std::to_string(pixelsAcross(capture) / shrink->factor) + " pixels across instead of " +
+                          std::to_string(pixelsAcross(capture) / shrink->wished) +
+                          ", which are all that --memory holds: poses may be less exact than with more.");
     const scene::JointImagesOptions o;
     const std::string key = keyOfAdjustment(capture, heldOut, shrink->factor, o);
     const std::filesystem::path folder = store.find("poses", key, [&](const std::filesystem::path& part) {
@@ -176,12 +172,12 @@ json adjustPoses(scene::Capture& capture, const std::vector<std::size_t>& heldOu
     for (std::size_t i = 0; i < capture.photos.size(); ++i) {
         const json& image = report.at("images").at(i);
         if (image.at("place") == "strayed")
-            remark("Photograph '" + capture.photos[i].name +
-                   "' stands where it was said to stand: the others do not say where it belongs.");
+            tell(capture, "Photograph '" + capture.photos[i].name +
+                              "' stands where it was said to stand: the others do not say where it belongs.");
         if (image.at("place") == "loose")
-            remark(
-                "Photograph '" + capture.photos[i].name +
-                "' stands where it was said to stand: what it has in common with others does not say where exactly.");
+            tell(capture, "Photograph '" + capture.photos[i].name +
+                              "' stands where it was said to stand: what it has in common with others does not say "
+                              "where exactly.");
         if (image.at("place") == "adjusted")
             capture.photos[i].worldFromCamera = poseOf(image.at("world_from_camera"), folder / "poses.json");
     }

@@ -122,10 +122,8 @@ json describeLight(const scene::CaptureLight& light) {
 
 ImportedImages capturePolygons(scene::Capture& capture, const BuildOptions& options, StageStore& store) {
     const scene::PolygonScene polygons = scene::readPolygons(capture.polygons.front());
-    for (const std::string& remark : polygons.remarks) {
-        std::fprintf(stderr, "note: %s\n", remark.c_str());
-        capture.remarks.push_back(remark);
-    }
+    for (const std::string& remark : polygons.remarks)
+        tell(capture, remark);
     const scene::PolygonTracer tracer(polygons);
     const json files = fingerprintsOf(polygons);
 

@@ -22,7 +22,7 @@ namespace {
 using nlohmann::json;
 
 /// Changed whenever what a stage computes changes, so that results of older versions are not taken for new ones.
-constexpr int kImportVersion = 4;
+constexpr int kImportVersion = 5;
 
 json describe(const scene::Pose& pose) {
     json numbers = json::array();
@@ -78,6 +78,7 @@ void writeFaces(const scene::ScanSource& source, const ScanPhotographs& photogra
                                             {"points", report.points},
                                             {"held", report.held},
                                             {"dropped", report.dropped},
+                                            {"coarser_than_scan", report.coarserThanScan},
                                             {"up", {up.x, up.y, up.z}}}
                                            .dump());
 }
@@ -123,7 +124,7 @@ scene::Failure nothingToBuild(const BuildOptions& options) {
     return {"holds no image or scan with range", options.inputs.front(), "check the capture, or hold out less"};
 }
 
-ImportedImages importImages(const scene::Capture& capture, const std::vector<std::size_t>& heldOut,
+ImportedImages importImages(scene::Capture& capture, const std::vector<std::size_t>& heldOut,
                             const PhotographStage& photographs, const BuildOptions& options, StageStore& store) {
     ImportedImages imported;
     imported.photographs = photographs.report;
@@ -163,6 +164,10 @@ ImportedImages importImages(const scene::Capture& capture, const std::vector<std
         imported.scanPoints.points += points.at("points").get<std::int64_t>();
         imported.scanPoints.held += points.at("held").get<std::int64_t>();
         imported.scanPoints.dropped += points.at("dropped").get<std::int64_t>();
+        if (points.at("coarser_than_scan").get<bool>())
+            tell(capture, "Scan '" + scan.name +
+                              "' is denser than its images may be: where it is densest, several of its points share a "
+                              "sample.");
         for (int axis = 0; axis < 3; ++axis)
             imported.uprightInWorld[axis] += points.at("up").at(static_cast<std::size_t>(axis)).get<double>();
         progress.advance();

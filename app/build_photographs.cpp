@@ -100,9 +100,11 @@ json describeUnread(const scene::ScanPhoto& photo, const std::string& scan, cons
 }
 
 /// One scan at a time, and one photograph: the points of a single one may fill the memory. So photographs are read
-/// twice, to find how they are turned and to be given their range.
+/// twice, to find how they are turned and to be given their range. beside: others of the scan, which may say how these
+/// are turned, and of which nothing is written.
 json layOnTheirScan(const scene::ScanSource& source, std::span<const scene::ScanPhoto> photos,
-                    const BuildOptions& options, Progress& progress, const std::filesystem::path& folder) {
+                    std::span<const scene::ScanPhoto> beside, const BuildOptions& options, Progress& progress,
+                    const std::filesystem::path& folder) {
     scene::ScanWithIntensity read = scene::readE57ScanWithIntensity(source);
     // Photographs' poses stand beside the pose that the file gives the scan.
     const scene::Pose scannerFromWorldInFile = inverse(read.scan.worldFromScanner);
@@ -123,6 +125,12 @@ json layOnTheirScan(const scene::ScanSource& source, std::span<const scene::Scan
             report.push_back(describeUnread(photo, scan.scan.name, failure.what()));
         }
         progress.advance();
+    }
+    for (const scene::ScanPhoto& photo : beside) {
+        try {
+            onScan.add(laidOut(photo));
+        } catch (const scene::Failure&) { // told where it is laid itself
+        }
     }
     const std::vector<scene::ColourFit> fits = onScan.fits();
     for (std::size_t i = 0; i < taken.size(); ++i) {
@@ -177,9 +185,26 @@ std::string sentenceOn(const json& photo) {
            "); --register given takes it as the file has it.";
 }
 
-void tell(scene::Capture& capture, const std::string& sentence) {
-    std::fprintf(stderr, "note: %s\n", sentence.c_str());
-    capture.remarks.push_back(sentence);
+struct Laid {
+    json report;
+    std::vector<scene::StoredImage> used;
+};
+
+/// The photographs of one scan on it, from the store if they are there. beside: those that help to turn them.
+Laid layOn(const scene::ScanSource& source, std::span<const scene::ScanPhoto> photos,
+           std::span<const scene::ScanPhoto> beside, const std::string& key, const BuildOptions& options,
+           StageStore& store, Progress& progress) {
+    const std::filesystem::path folder = store.find("photographs", key, [&](const std::filesystem::path& part) {
+        writeWhole(part / "photographs.json", layOnTheirScan(source, photos, beside, options, progress, part).dump());
+    });
+    Laid laid{readJson(folder / "photographs.json"), {}};
+    for (const json& photo : laid.report) {
+        if (!photo.at("used").get<bool>()) continue;
+        const std::filesystem::path file = folder / (photo.at("name").get<std::string>() + ".tiff");
+        const scene::DepthImage header = scene::readDepthTiffHeader(file);
+        laid.used.push_back({header.name, header.camera, header.worldFromCamera, file, {}});
+    }
+    return laid;
 }
 
 /// With a lens that nobody knows nothing lies on anything.
@@ -193,34 +218,36 @@ bool mayLackLens(const scene::Capture& capture, const json& report) {
 
 } // namespace
 
-PhotographStage layPhotographs(scene::Capture& capture, const BuildOptions& options, StageStore& store) {
+PhotographStage layPhotographs(scene::Capture& capture, const std::vector<std::size_t>& heldOut,
+                               const BuildOptions& options, StageStore& store) {
     PhotographStage stage;
     stage.ofScan.resize(capture.scans.size());
     if (capture.scanPhotos.empty()) return stage;
     stage.report = json::array();
+    std::vector<std::vector<scene::ScanPhoto>> kept(capture.scans.size()), out(capture.scans.size());
+    for (std::size_t i = 0; i < capture.scanPhotos.size(); ++i) {
+        const scene::ScanPhoto& photo = capture.scanPhotos[i];
+        (std::binary_search(heldOut.begin(), heldOut.end(), i) ? out : kept)[photo.scan].push_back(photo);
+    }
     Progress progress("photographs", capture.scanPhotos.size());
-    const std::span<const scene::ScanPhoto> all = capture.scanPhotos;
-    for (std::size_t first = 0, end = 0; first < all.size(); first = end) {
-        const std::size_t s = all[first].scan;
-        while (end < all.size() && all[end].scan == s)
-            ++end;
-        const auto photos = all.subspan(first, end - first);
+    for (std::size_t s = 0; s < capture.scans.size(); ++s) {
         const scene::ScanSource& source = capture.scans[s];
-        ScanPhotographs& of = stage.ofScan[s];
-        of.key = keyOfPhotographs(source, photos, options);
-        const std::filesystem::path folder = store.find("photographs", of.key, [&](const std::filesystem::path& part) {
-            const json report = layOnTheirScan(source, photos, options, progress, part);
-            writeWhole(part / "photographs.json", report.dump());
-        });
-        for (const json& photo : readJson(folder / "photographs.json")) {
-            stage.report.push_back(photo);
-            const std::string sentence = sentenceOn(photo);
-            if (!sentence.empty()) tell(capture, sentence);
-            if (!photo.at("used").get<bool>()) continue;
-            const std::filesystem::path file = folder / (photo.at("name").get<std::string>() + ".tiff");
-            const scene::DepthImage header = scene::readDepthTiffHeader(file);
-            of.images.push_back({header.name, header.camera, header.worldFromCamera, file, {}});
+        if (!kept[s].empty()) {
+            stage.ofScan[s].key = keyOfPhotographs(source, kept[s], options);
+            const Laid laid = layOn(source, kept[s], {}, stage.ofScan[s].key, options, store, progress);
+            for (const json& photo : laid.report) {
+                stage.report.push_back(photo);
+                if (const std::string sentence = sentenceOn(photo); !sentence.empty()) tell(capture, sentence);
+            }
+            stage.ofScan[s].images = laid.used;
         }
+        if (out[s].empty()) continue;
+        // Those that are turned by what others show of the scan need the others; the others must not need them.
+        const std::string key = keyOf({"held out", keyOfPhotographs(source, out[s], options), stage.ofScan[s].key});
+        const Laid laid = layOn(source, out[s], kept[s], key, options, store, progress);
+        for (const json& photo : laid.report)
+            if (const std::string sentence = sentenceOn(photo); !sentence.empty()) tell(capture, sentence);
+        stage.heldOut.insert(stage.heldOut.end(), laid.used.begin(), laid.used.end());
     }
     if (mayLackLens(capture, stage.report))
         tell(capture,

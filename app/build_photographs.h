@@ -24,12 +24,15 @@ struct ScanPhotographs {
 };
 
 struct PhotographStage {
-    std::vector<ScanPhotographs> ofScan; ///< one for each of the capture's scans
-    nlohmann::json report = nullptr;     ///< what scene.json and info have; null: the capture has no photographs
+    std::vector<ScanPhotographs> ofScan;     ///< one for each of the capture's scans
+    nlohmann::json report = nullptr;         ///< what scene.json and info have; null: the capture has no photographs
+    std::vector<scene::StoredImage> heldOut; ///< laid on their scans like the others, which know nothing of them
 };
 
-/// Lays every photograph on its scan. What there is to say goes to the capture's remarks. Throws scene::Failure.
-PhotographStage layPhotographs(scene::Capture& capture, const BuildOptions& options, StageStore& store);
+/// Lays every photograph on its scan. heldOut: indices of those that are kept out, ascending. What there is to say goes
+/// to the capture's remarks. Throws scene::Failure.
+PhotographStage layPhotographs(scene::Capture& capture, const std::vector<std::size_t>& heldOut,
+                               const BuildOptions& options, StageStore& store);
 
 /// Gives samples without colour that of the photographs which see them: the mean of all, each counting by how far
 /// inside its picture the sample is seen. Photographs from beside the image's place must see the sample's surface. One

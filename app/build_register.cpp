@@ -134,20 +134,16 @@ json registerCapture(scene::Capture& capture, const BuildOptions& options, Stage
         writeWhole(part / "registration.json", describe(views, registration).dump());
     });
     const json report = readJson(folder / "registration.json");
-    const auto remark = [&](const std::string& sentence) {
-        std::fprintf(stderr, "note: %s\n", sentence.c_str());
-        capture.remarks.push_back(sentence);
-    };
     for (std::size_t i = 0; i < capture.scans.size(); ++i) {
         const json& scan = report.at("scans").at(i);
         const std::string why = scan.at("why");
-        if (!why.empty()) remark(why + ".");
+        if (!why.empty()) tell(capture, why + ".");
         if (scan.at("registered").get<bool>())
             capture.scans[i].registeredWorldFromScanner =
                 poseOf(scan.at("world_from_scanner"), folder / "registration.json");
     }
     for (const json& sentence : report.at("remarks"))
-        remark(sentence);
+        tell(capture, sentence);
     return report;
 }
 

@@ -34,7 +34,22 @@ void checkWishes(const BuildOptions& options, const scene::Capture& capture) {
                              "leave it out");
 }
 
+/// Who holds photographs out wants to compare with them.
+void checkHeldOut(const scene::HeldOut& heldOut, const BuildOptions& options, const scene::Capture& capture) {
+    if (options.holdOut.empty() || !heldOut.empty()) return;
+    const std::size_t photographs = capture.photos.size() + capture.scanPhotos.size();
+    const std::string where = "--hold-out " + options.holdOut;
+    if (photographs == 0) throw scene::Failure("keeps photographs out, and there are none", where, "leave it out");
+    throw scene::Failure("keeps none of " + std::to_string(photographs) + " photographs out", where,
+                         "begin earlier, or leave it out");
+}
+
 } // namespace
+
+void tell(scene::Capture& capture, const std::string& sentence) {
+    std::fprintf(stderr, "note: %s\n", sentence.c_str());
+    capture.remarks.push_back(sentence);
+}
 
 void buildScene(const BuildOptions& options) {
     scene::Capture capture = scene::openCapture(options.inputs);
@@ -45,8 +60,9 @@ void buildScene(const BuildOptions& options) {
             scan.reading = reading;
     }
     if (!options.camera.empty()) useCameraFile(capture, options.camera);
-    const std::vector<std::size_t> heldOut = scene::findHeldOut(capture, options.holdOut);
-    if (capture.polygons.empty() && capture.scans.empty() && heldOut.size() == capture.photos.size())
+    const scene::HeldOut heldOut = scene::findHeldOut(capture, options.holdOut);
+    checkHeldOut(heldOut, options, capture);
+    if (capture.polygons.empty() && capture.scans.empty() && heldOut.photos.size() == capture.photos.size())
         throw nothingToBuild(options);
     for (const std::string& remark : capture.remarks)
         std::fprintf(stderr, "note: %s\n", remark.c_str());
@@ -60,11 +76,12 @@ void buildScene(const BuildOptions& options) {
 
     BuildReports reports;
     reports.registration = registerCapture(capture, options, store);
-    reports.poses = adjustPoses(capture, heldOut, options, store);
-    PhotographStage photographs = layPhotographs(capture, options, store);
+    reports.poses = adjustPoses(capture, heldOut.photos, options, store);
+    PhotographStage photographs = layPhotographs(capture, heldOut.scanPhotos, options, store);
     reports.photographEvening = evenPhotographs(photographs, options, store);
-    ImportedImages imported = capture.polygons.empty() ? importImages(capture, heldOut, photographs, options, store)
-                                                       : capturePolygons(capture, options, store);
+    ImportedImages imported = capture.polygons.empty()
+                                  ? importImages(capture, heldOut.photos, photographs, options, store)
+                                  : capturePolygons(capture, options, store);
     const Overlaps overlaps = findOverlaps(imported, options);
     const double spentStops =
         reports.photographEvening.is_null() ? 0 : reports.photographEvening.at("most_stops").get<double>();
@@ -76,7 +93,8 @@ void buildScene(const BuildOptions& options) {
     const KeepStage kept = keepBest(imported, overlaps, skins, options, store);
     const TileStage tiles = fuseAndCut(imported, overlaps, skins, kept, options, store);
     const CoverageStage coverage = coverSpace(skins, options, store);
-    writeScene(output, capture, heldOut, imported, overlaps, skins, kept, tiles, coverage, reports, options);
+    writeScene(output, capture, heldOut.photos, photographs.heldOut, imported, overlaps, skins, kept, tiles, coverage,
+               reports, options);
 }
 
 } // namespace app

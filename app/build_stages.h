@@ -36,6 +36,8 @@ void standWhereFound(scene::Scan& scan, const scene::ScanSource& source);
 scene::Scan readScan(const scene::ScanSource& source);
 /// What the keys of stages must know of a photograph's files, camera and pose.
 nlohmann::json describeSource(const scene::PhotoSource& photo);
+/// Says a sentence to the user now, and keeps it for scene.json and info.
+void tell(scene::Capture& capture, const std::string& sentence);
 /// What of its reading the keys of stages must know.
 nlohmann::json describeReading(const scene::ScanSource& scan);
 
@@ -63,9 +65,9 @@ struct ImportedImages {
     nlohmann::json photographs = nullptr; ///< how those of scans were laid on them: what scene.json and info have
 };
 /// import and project: every photo and every face of every scan as a depth image file, beside the scans' photographs,
-/// from which samples without colour take theirs. Throws scene::Failure if there
-/// is none.
-ImportedImages importImages(const scene::Capture& capture, const std::vector<std::size_t>& heldOut,
+/// from which samples without colour take theirs. What there is to say goes to the capture's remarks. Throws
+/// scene::Failure if there is none.
+ImportedImages importImages(scene::Capture& capture, const std::vector<std::size_t>& heldOut,
                             const PhotographStage& photographs, const BuildOptions& options, StageStore& store);
 
 /// capture: the faces of the cube about each reference position as depth image files. What the scene's file had to say
@@ -137,8 +139,9 @@ struct BuildReports {
 
 /// The scene folder, under a temporary name until it is whole.
 void writeScene(const std::filesystem::path& output, const scene::Capture& capture,
-                const std::vector<std::size_t>& heldOut, const ImportedImages& imported, const Overlaps& overlaps,
-                const SkinStage& skins, const KeepStage& kept, const TileStage& tiles, const CoverageStage& coverage,
-                const BuildReports& reports, const BuildOptions& options);
+                const std::vector<std::size_t>& heldOut, const std::vector<scene::StoredImage>& heldOutOfScans,
+                const ImportedImages& imported, const Overlaps& overlaps, const SkinStage& skins, const KeepStage& kept,
+                const TileStage& tiles, const CoverageStage& coverage, const BuildReports& reports,
+                const BuildOptions& options);
 
 } // namespace app

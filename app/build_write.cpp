@@ -45,6 +45,7 @@ json describeOptions(const BuildOptions& o) {
             {"cull_baseline_share", o.redundancy.baselineShare},
             {"cull_patch", o.redundancy.minPatchShare},
             {"guess_radius", o.guesses.radius},
+            {"dropout_radius", o.dropouts.radius},
             {"fusion_angle_rad", o.fusion.angleRadians},
             {"fusion_colour_step", o.fusion.colourStep}};
 }
@@ -121,14 +122,18 @@ void putInPlace(const std::filesystem::path& part, const std::filesystem::path& 
     std::filesystem::remove_all(part, ignored);
 }
 
+void copyFile(const std::filesystem::path& from, const std::filesystem::path& to) {
+    std::error_code error;
+    std::filesystem::copy_file(from, to, error);
+    if (error) throw scene::Failure("cannot be copied (" + error.message() + ")", from, scene::kWriteRemedy);
+}
+
 /// A scene that is built anew keeps what walkers left in it: their notes, and where walks begin.
 void carryWalkersFiles(const std::filesystem::path& from, const std::filesystem::path& part) {
     for (const std::filesystem::path& name :
          {NotesFile(from).path().filename(), std::filesystem::path(input::kStartFile)}) {
         std::error_code error;
-        if (!std::filesystem::exists(from / name, error)) continue;
-        std::filesystem::copy_file(from / name, part / name, error);
-        if (error) throw scene::Failure("cannot be copied (" + error.message() + ")", from / name, scene::kWriteRemedy);
+        if (std::filesystem::exists(from / name, error)) copyFile(from / name, part / name);
     }
 }
 
@@ -148,8 +153,8 @@ void writeImages(const std::filesystem::path& folder, const ImportedImages& impo
 
 /// The photographs that were kept out, as depth images: what the scene is measured against (scene/scene_file.h).
 void writeHeldOut(const std::filesystem::path& folder, const scene::Capture& capture,
-                  const std::vector<std::size_t>& heldOut) {
-    if (heldOut.empty()) return;
+                  const std::vector<std::size_t>& heldOut, const std::vector<scene::StoredImage>& ofScans) {
+    if (heldOut.empty() && ofScans.empty()) return;
     std::error_code error;
     std::filesystem::create_directories(folder, error);
     if (error) throw scene::Failure("cannot be made (" + error.message() + ")", folder, scene::kWriteRemedy);
@@ -157,6 +162,8 @@ void writeHeldOut(const std::filesystem::path& folder, const scene::Capture& cap
         const scene::DepthImage image = scene::readPhoto(capture.photos[heldOut[i]]);
         writeDepthTiff(image, folder / (image.name + ".tiff"));
     });
+    for (const scene::StoredImage& image : ofScans)
+        copyFile(image.file, folder / (image.name + ".tiff"));
 }
 
 } // namespace
@@ -171,16 +178,17 @@ void checkReplaceable(const std::filesystem::path& output) {
 }
 
 void writeScene(const std::filesystem::path& output, const scene::Capture& capture,
-                const std::vector<std::size_t>& heldOut, const ImportedImages& imported, const Overlaps& overlaps,
-                const SkinStage& skins, const KeepStage& kept, const TileStage& tiles, const CoverageStage& coverage,
-                const BuildReports& reports, const BuildOptions& options) {
+                const std::vector<std::size_t>& heldOut, const std::vector<scene::StoredImage>& heldOutOfScans,
+                const ImportedImages& imported, const Overlaps& overlaps, const SkinStage& skins, const KeepStage& kept,
+                const TileStage& tiles, const CoverageStage& coverage, const BuildReports& reports,
+                const BuildOptions& options) {
     std::filesystem::path part = output;
     part += ".part";
     std::error_code ignored;
     std::filesystem::remove_all(part, ignored);
     try {
         writeImages(part / "images", imported, tiles);
-        writeHeldOut(part / scene::kHeldOutFolder, capture, heldOut);
+        writeHeldOut(part / scene::kHeldOutFolder, capture, heldOut, heldOutOfScans);
         std::int64_t tileCount = 0, coarser = 0, quads = 0, points = 0, facets = 0;
         const auto tilesOf = [&](std::size_t i) {
             scene::TileSet set = scene::unpackTiles(readWhole(tiles.blocks[i]), tiles.blocks[i].string());
@@ -191,7 +199,7 @@ void writeScene(const std::filesystem::path& output, const scene::Capture& captu
             return set;
         };
         scene::writeTilesFile(part / "tiles.bin", imported.images.size(), tilesOf);
-        if (!coverage.file.empty()) std::filesystem::copy_file(coverage.file, part / scene::kCoverageFile);
+        if (!coverage.file.empty()) copyFile(coverage.file, part / scene::kCoverageFile);
 
         json images = json::array(), heldOutCameras = json::array(), inputs = json::array();
         for (const scene::StoredImage& image : imported.images) {
@@ -200,6 +208,8 @@ void writeScene(const std::filesystem::path& output, const scene::Capture& captu
         for (const std::size_t i : heldOut)
             heldOutCameras.push_back(
                 describeCamera(capture.photos[i].name, capture.photos[i].camera, capture.photos[i].worldFromCamera));
+        for (const scene::StoredImage& image : heldOutOfScans)
+            heldOutCameras.push_back(describeCamera(image.name, image.camera, image.worldFromCamera));
         for (const auto& input : options.inputs)
             inputs.push_back(input.string());
 

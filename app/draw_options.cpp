@@ -6,7 +6,7 @@ render::Quality qualityOf(const DrawOptions& o) {
     render::Quality quality = readQuality(o.quality);
     for (const auto& [name, value] : o.turned)
         turnKnob(quality, name, value, "the command line");
-    quality.showUnseen = !o.hideUnseen;
+    if (o.hideUnseen) quality.showUnseen = false;
     return quality;
 }
 

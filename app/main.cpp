@@ -75,7 +75,8 @@ void addBuild(CLI::App& program, app::BuildOptions& options, std::string& memory
         ->required();
     build->add_option("-o,--output", options.output, "folder of the scene")->required();
     build->add_option("--hold-out", options.holdOut,
-                      "keep photographs out to compare with: every:N:FIRST, or a file of names");
+                      "keep photographs out to compare with, those in E57 files, too: every:N:FIRST, or a file of "
+                      "names");
     build->add_flag_callback(
         "--no-fuse", [&] { options.fuse = false; }, "keep samples as captured instead of fusing those that agree");
     build->add_flag_callback(
@@ -111,6 +112,12 @@ void addBuild(CLI::App& program, app::BuildOptions& options, std::string& memory
                      "photographs: range that was not measured is guessed from this many pixels about, and shown as "
                      "filled unless another image confirms it; 0: never")
         ->check(CLI::Range(0, 100))
+        ->capture_default_str();
+    build
+        ->add_option("--dropout-radius", options.dropouts.radius,
+                     "photographs: gaps of range within a surface, up to so many pixels wide, are closed by the range "
+                     "about them and count as seen; 0: never")
+        ->check(CLI::Range(0, 20))
         ->capture_default_str();
     build->add_flag_callback(
         "--coverage", [&] { options.findUnseen = true; },

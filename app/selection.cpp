@@ -1,5 +1,7 @@
 #include "app/selection.h"
 
+#include "scene/import/scan_photos.h"
+
 #include <algorithm>
 #include <array>
 #include <map>
@@ -14,26 +16,53 @@ constexpr double kSecondsAhead = 1;
 constexpr int kStepsAhead = 4;              ///< on the way there, at which is asked what is drawn
 constexpr double kFastestMetresASecond = 5; ///< who moves faster was put somewhere else
 
+/// How many images each position has.
+std::vector<std::size_t> countsOf(const ReferencePositions& reference) {
+    std::vector<std::size_t> counts(reference.places.size(), 0);
+    for (const std::uint32_t position : reference.positionOf)
+        ++counts[position];
+    return counts;
+}
+
 } // namespace
 
 ReferencePositions referencePositionsOf(std::span<const scene::SceneImage> images) {
-    ReferencePositions reference;
+    ReferencePositions exactly;
     std::map<std::array<double, 3>, std::uint32_t> known;
     for (const scene::SceneImage& image : images) {
         const glm::dvec3& place = image.worldFromCamera.translation;
-        const auto [found, isNew] = known.try_emplace({place.x, place.y, place.z}, reference.places.size());
-        if (isNew) reference.places.push_back(place);
-        reference.positionOf.push_back(found->second);
+        const auto [found, isNew] = known.try_emplace({place.x, place.y, place.z}, exactly.places.size());
+        if (isNew) exactly.places.push_back(place);
+        exactly.positionOf.push_back(found->second);
     }
+    const std::vector<std::size_t> counts = countsOf(exactly);
+    std::vector<std::size_t> lookAllRound, joins(counts.size());
+    for (std::size_t i = 0; i < counts.size(); ++i)
+        if (counts[i] >= kImagesPerPosition) lookAllRound.push_back(i);
+    for (std::size_t i = 0; i < joins.size(); ++i) {
+        joins[i] = i;
+        if (counts[i] >= kImagesPerPosition) continue;
+        double nearest = scene::kBesideMetres;
+        for (const std::size_t k : lookAllRound)
+            if (const double metres = glm::distance(exactly.places[i], exactly.places[k]); metres <= nearest)
+                joins[i] = k, nearest = metres;
+    }
+    ReferencePositions reference;
+    std::vector<std::uint32_t> place(joins.size());
+    for (std::size_t i = 0; i < joins.size(); ++i)
+        if (joins[i] == i) {
+            place[i] = static_cast<std::uint32_t>(reference.places.size());
+            reference.places.push_back(exactly.places[i]);
+        }
+    for (const std::uint32_t position : exactly.positionOf)
+        reference.positionOf.push_back(place[joins[position]]);
     return reference;
 }
 
 Selection::Selection(const scene::Scene& scene) {
     if (!scene.hasWholeImages) return;
     reference_ = referencePositionsOf(scene.images);
-    std::vector<std::size_t> counts(reference_.places.size(), 0);
-    for (const std::uint32_t position : reference_.positionOf)
-        ++counts[position];
+    const std::vector<std::size_t> counts = countsOf(reference_);
     if (counts.empty() || *std::min_element(counts.begin(), counts.end()) < kImagesPerPosition) return;
     cells_ = scene::WalkCells(reference_.places);
 }

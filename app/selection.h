@@ -20,15 +20,16 @@
 
 namespace app {
 
-/// Images of a position that were taken from exactly there.
+/// Fewer images do not look all round from a position; one such among the others, and all images are drawn.
+inline constexpr std::size_t kImagesPerPosition = 4;
+
+/// Images of a position that were taken from exactly there, and photographs that belong to a scan from there: too few
+/// to look all round, from no farther than photographs beside scans may be (scene/import/scan_photos.h).
 struct ReferencePositions {
     std::vector<glm::dvec3> places;        ///< in the world; in the order of their first images
     std::vector<std::uint32_t> positionOf; ///< of each image
 };
 ReferencePositions referencePositionsOf(std::span<const scene::SceneImage> images);
-
-/// Fewer images do not look all round from a position; one such among the others, and all images are drawn.
-inline constexpr std::size_t kImagesPerPosition = 4;
 
 class Selection {
   public:

@@ -114,6 +114,34 @@ int toCount(std::string_view text, const std::string& rule) {
     return value;
 }
 
+/// Which of all photographs, those beside scans last, a file names; ascending.
+std::vector<std::size_t> readNames(const Capture& capture, const std::string& path) {
+    std::unordered_map<std::string, std::size_t> indexOf;
+    for (const PhotoSource& photo : capture.photos)
+        indexOf.emplace(photo.name, indexOf.size());
+    for (const ScanPhoto& photo : capture.scanPhotos)
+        indexOf.emplace(photo.name, indexOf.size());
+    std::ifstream file(path);
+    if (!file || std::filesystem::is_directory(path))
+        throw Failure("no such file", "--hold-out " + path,
+                      "write every:N:FIRST, or name a file with an image name on each line");
+    std::vector<std::size_t> named;
+    std::string name;
+    for (std::size_t line = 1; std::getline(file, name); ++line) {
+        while (!name.empty() && std::isspace(static_cast<unsigned char>(name.back())))
+            name.pop_back();
+        if (name.empty()) continue;
+        const auto found = indexOf.find(name);
+        if (found == indexOf.end())
+            throw Failure("no image is called '" + name + "'", atLine(path, line),
+                          "names are the pictures' file names without extension");
+        named.push_back(found->second);
+    }
+    std::sort(named.begin(), named.end());
+    named.erase(std::unique(named.begin(), named.end()), named.end());
+    return named;
+}
+
 } // namespace
 
 Capture openCapture(std::span<const std::filesystem::path> inputs) {
@@ -132,39 +160,23 @@ Capture openCapture(std::span<const std::filesystem::path> inputs) {
     return capture;
 }
 
-std::vector<std::size_t> findHeldOut(const Capture& capture, const std::string& rule) {
-    std::vector<std::size_t> heldOut;
-    if (rule.empty()) return heldOut;
+HeldOut findHeldOut(const Capture& capture, const std::string& rule) {
+    std::vector<std::size_t> chosen; // of all photographs, those beside scans last
+    const std::size_t photos = capture.photos.size(), all = photos + capture.scanPhotos.size();
     if (rule.starts_with("every:")) {
         const std::string_view numbers = std::string_view(rule).substr(6);
         const std::size_t colon = numbers.find(':');
         const int step = toCount(numbers.substr(0, colon), rule);
         const int first = colon == std::string_view::npos ? 0 : toCount(numbers.substr(colon + 1), rule);
         if (step < 1) throw Failure("N is 0", "--hold-out " + rule, "write e.g. every:20:10");
-        for (auto i = static_cast<std::size_t>(first); i < capture.photos.size(); i += static_cast<std::size_t>(step))
-            heldOut.push_back(i);
-        return heldOut;
+        for (auto i = static_cast<std::size_t>(first); i < all; i += static_cast<std::size_t>(step))
+            chosen.push_back(i);
+    } else if (!rule.empty()) {
+        chosen = readNames(capture, rule);
     }
-    std::unordered_map<std::string, std::size_t> indexOf;
-    for (std::size_t i = 0; i < capture.photos.size(); ++i)
-        indexOf.emplace(capture.photos[i].name, i);
-    std::ifstream file(rule);
-    if (!file || std::filesystem::is_directory(rule))
-        throw Failure("no such file", "--hold-out " + rule,
-                      "write every:N:FIRST, or name a file with an image name on each line");
-    std::string name;
-    for (std::size_t line = 1; std::getline(file, name); ++line) {
-        while (!name.empty() && std::isspace(static_cast<unsigned char>(name.back())))
-            name.pop_back();
-        if (name.empty()) continue;
-        const auto found = indexOf.find(name);
-        if (found == indexOf.end())
-            throw Failure("no image is called '" + name + "'", atLine(rule, line),
-                          "names are the pictures' file names without extension");
-        heldOut.push_back(found->second);
-    }
-    std::sort(heldOut.begin(), heldOut.end());
-    heldOut.erase(std::unique(heldOut.begin(), heldOut.end()), heldOut.end());
+    HeldOut heldOut;
+    for (const std::size_t i : chosen)
+        (i < photos ? heldOut.photos : heldOut.scanPhotos).push_back(i < photos ? i : i - photos);
     return heldOut;
 }
 

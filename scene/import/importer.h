@@ -12,9 +12,15 @@ namespace scene {
 /// Failure for anything else.
 Capture openCapture(std::span<const std::filesystem::path> inputs);
 
-/// Which photos --hold-out keeps out of the scene: "every:N:FIRST" (each N-th, counted over the photos, from FIRST on)
-/// or a text file with a name on each line. Returns their indices, ascending. Throws Failure for a name the capture has
-/// not.
-std::vector<std::size_t> findHeldOut(const Capture& capture, const std::string& rule);
+/// Indices into the capture's photos and scanPhotos, ascending.
+struct HeldOut {
+    std::vector<std::size_t> photos, scanPhotos;
+    bool empty() const { return photos.empty() && scanPhotos.empty(); }
+};
+
+/// Which photographs --hold-out keeps out of the scene: "every:N:FIRST" (each N-th, counted over the photos and then
+/// over those beside scans, from FIRST on) or a text file with a name on each line. Throws Failure for a name the
+/// capture has not.
+HeldOut findHeldOut(const Capture& capture, const std::string& rule);
 
 } // namespace scene

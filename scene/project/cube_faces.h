@@ -11,7 +11,7 @@
 namespace scene {
 
 struct CubeFaceOptions {
-    int maxFaceSize = 4096;    ///< pixels; a denser scan is projected at this size and the report says so
+    int maxFaceSize = 16384;   ///< pixels; a denser scan is projected at this size and the report says so
     double sameSurface = 0.02; ///< relative range difference up to which neighbours are one surface
     int maxLayers = 8;         ///< further images of a face for points that share a pixel but not a surface
 };
@@ -22,7 +22,7 @@ struct CubeFaceReport {
     std::int64_t held = 0;    ///< stand as a sample of some face: the sample of their pixel is on their surface
     std::int64_t dropped = 0; ///< at the scanner's origin, or deeper than maxLayers
     double columnStepRadians = 0, rowStepRadians = 0; ///< the scan's angular density
-    bool coarserThanScan = false;                     ///< maxFaceSize did not allow that density
+    bool coarserThanScan = false;                     ///< that density was not allowed: pixels hold several points
 };
 
 struct CubeFaces {

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <tuple>
+#include <utility>
 #include <vector>
 
 #include <glm/geometric.hpp>
@@ -16,6 +18,9 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr std::size_t kGrain = 1 << 16;
+/// A face may always have so many pixels, and beyond that so many for each of its points: a whole face of a regular
+/// scan has 2.7, one that is half sky twice that.
+constexpr double kUsualPixels = 4096.0 * 4096.0, kMostPixelsPerPoint = 8;
 
 // Azimuth of the middle of what the scanner saw, if it left out a quarter of the horizon or more; else 0.
 double frontAzimuth(const Scan& scan, const glm::dvec3& copInScanner) {
@@ -134,8 +139,13 @@ std::array<FaceLayout, kFaceCount> layOutFaces(const Scan& scan, const CubeFrame
         // About the poles the two steps turn with the azimuth; the finer one serves both axes.
         const bool isSide = face < 4;
         const int overlap = isMesh ? kMeshOverlapPixels : 0;
-        const Axis x = layOutAxis(b.minX, b.maxX, isSide ? steps.horizontal : finest, overlap, options.maxFaceSize);
-        const Axis y = layOutAxis(b.minY, b.maxY, isSide ? steps.vertical : finest, overlap, options.maxFaceSize);
+        const auto layOut = [&](int maxSize) {
+            return std::pair(layOutAxis(b.minX, b.maxX, isSide ? steps.horizontal : finest, overlap, maxSize),
+                             layOutAxis(b.minY, b.maxY, isSide ? steps.vertical : finest, overlap, maxSize));
+        };
+        auto [x, y] = layOut(options.maxFaceSize);
+        const double most = std::max(kUsualPixels, kMostPixelsPerPoint * static_cast<double>(b.ownPoints));
+        if (static_cast<double>(x.size) * y.size > most) std::tie(x, y) = layOut(static_cast<int>(std::sqrt(most)));
         layouts[face] = {Camera{x.size, y.size, x.focal, y.focal, x.centre, y.centre}, x.coarser || y.coarser};
     }
     return layouts;

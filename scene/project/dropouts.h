@@ -10,7 +10,7 @@
 namespace scene {
 
 struct DropoutOptions {
-    int radius = 3;            ///< support of a sample in pixels: drop-outs as wide are filled
+    int radius = 3;            ///< support of a sample in pixels: drop-outs as wide are filled; 0: none
     float sameSurface = 0.03f; ///< relative difference of disparity within a cluster
     int minSamples = 3;        ///< a cluster of fewer samples fills nothing
 };

@@ -98,6 +98,43 @@ TEST_F(Photographs, AreLaidOnTheirScanAndColourIt) {
     EXPECT_THAT(again.output, Not(HasSubstr("photographs  6/6")));
 }
 
+TEST_F(Photographs, ThoseThatAreHeldOutAreMeasuredBy) {
+    const std::string camera = path("capture/camera.json");
+    const Outcome built = build("kept.revisit", {"--camera", camera, "--hold-out", "every:3:1"});
+    ASSERT_EQ(built.status, 0) << built.output;
+    const json scene = readJson(path("kept.revisit") + "/scene.json");
+    const auto namesOf = [](const json& list) {
+        std::vector<std::string> names;
+        for (const json& item : list)
+            names.push_back(item.at("name"));
+        return names;
+    };
+    const std::vector<std::string> out{"scan1-photo2", "scan1-photo5"};
+    EXPECT_EQ(namesOf(scene.at("held_out")), out);
+    for (const std::string& name : out) {
+        EXPECT_THAT(namesOf(scene.at("images")), Not(testing::Contains(name)));
+        EXPECT_THAT(namesOf(scene.at("photographs")), Not(testing::Contains(name)));
+    }
+    std::ofstream(path("settings.json")) << R"({"settings": [{"name": "points", "warp": "points"}]})";
+    const Outcome measured = run({kRevisit, "measure", path("kept.revisit"), "--out", path("figures"), "--settings",
+                                  path("settings.json"), "--frames", "2"},
+                                 folder());
+    ASSERT_EQ(measured.status, 0) << measured.output;
+    // Of what they alone saw there is no colour; where surfaces stand the scan knows.
+    const json figures = readJson(path("figures/report.json")).at("settings")[0];
+    ASSERT_EQ(figures.at("pictures").size(), out.size());
+    EXPECT_GT(figures.at("covered_share"), 0.95);
+    EXPECT_LT(figures.at("wrongly_solid_share"), 0.03);
+
+    std::ofstream(path("names.txt")) << "scan1-photo6\n";
+    ASSERT_EQ(build("named.revisit", {"--camera", camera, "--hold-out", path("names.txt")}).status, 0);
+    EXPECT_EQ(namesOf(readJson(path("named.revisit") + "/scene.json").at("held_out")),
+              std::vector<std::string>{"scan1-photo6"});
+    const Outcome late = build("no.revisit", {"--hold-out", "every:2:6"});
+    EXPECT_EQ(late.status, 1);
+    EXPECT_THAT(late.output, HasSubstr("keeps none of 6 photographs out"));
+}
+
 TEST_F(Photographs, WithALensThatNobodyKnowsAreNotBelievedAndThatIsSaid) {
     const Outcome built = build("lens.revisit", {});
     ASSERT_EQ(built.status, 0) << built.output;
@@ -116,6 +153,10 @@ TEST_F(Photographs, OfAnotherSizeOrNoneAtAllRefuseACameraFile) {
         folder());
     EXPECT_EQ(none.status, 1);
     EXPECT_THAT(none.output, HasSubstr("there are none that can be used"));
+    const Outcome nothing =
+        run({kRevisit, "build", path("bare/scans.e57"), "-o", path("no.revisit"), "--hold-out", "every:2"}, folder());
+    EXPECT_EQ(nothing.status, 1);
+    EXPECT_THAT(nothing.output, HasSubstr("keeps photographs out, and there are none"));
     EXPECT_FALSE(std::filesystem::exists(path("no.revisit")));
     const Outcome ptx =
         run({kMakeSample, path("ptx"), "--scanner", "--photographs", "2", "--scan-format", "ptx"}, folder());

@@ -70,6 +70,24 @@ TEST(Selection, ImagesFromOnePlaceAreOnePosition) {
         EXPECT_EQ(found.positionOf[i], i / 6);
 }
 
+TEST(Selection, PhotographsBesideAScannerBelongToItsPosition) {
+    scene::Scene scene = sceneOf(alongAStreet(), 6);
+    const std::size_t scans = scene.images.size();
+    const auto photograph = [&](const glm::dvec3& place) {
+        scene.images.push_back(scene.images.back());
+        scene.images.back().worldFromCamera.translation = place;
+    };
+    photograph(alongAStreet()[3] + glm::dvec3(0, 0.2, 0.1));
+    photograph(alongAStreet()[3] + glm::dvec3(0.02, 0.2, 0.1));
+    const ReferencePositions found = referencePositionsOf(scene.images);
+    EXPECT_EQ(found.places, alongAStreet());
+    EXPECT_EQ(found.positionOf[scans], 3u);
+    EXPECT_EQ(found.positionOf[scans + 1], 3u);
+    EXPECT_TRUE(Selection(scene).hasCells());
+    photograph(alongAStreet()[3] + glm::dvec3(0, 0, 1));
+    EXPECT_FALSE(Selection(scene).hasCells()) << "from a place of its own";
+}
+
 TEST(Selection, OnlyImagesAboutTheWalkerAreDrawnAndBothEyesHaveTheSame) {
     Selection selection(sceneOf(alongAStreet(), 6));
     const render::ImageShares shares = selection.choose(eyesAt({9.0, 1.7, -1.1}), {});

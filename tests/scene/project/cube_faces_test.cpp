@@ -1,6 +1,7 @@
 // Scans of rooms whose every distance is known, projected and compared with the truth.
 
 #include "scene/project/cube_faces.h"
+#include "scene/project/cube_layout.h"
 
 #include <algorithm>
 #include <cmath>
@@ -322,6 +323,31 @@ TEST(CubeFaces, TooDenseAScanIsProjectedAtTheLargestSize) {
         EXPECT_LE(face.camera.width, 64);
         EXPECT_LE(face.camera.height, 64);
     }
+}
+
+// As surveyors' scanners have them: 0.29 mrad between samples.
+TEST(CubeFaces, ADenseScanHasItsOwnDensity) {
+    Sweep dense;
+    dense.azimuthFrom = -40, dense.azimuthTo = 40, dense.elevationFrom = -1, dense.elevationTo = 1;
+    dense.stepDegrees = 0.0165;
+    const CubeFaces faces = projectToCubeFaces(sweep(rangeToRoom, dense));
+    EXPECT_FALSE(faces.report.coarserThanScan);
+    EXPECT_EQ(faces.report.held, faces.report.points);
+    ASSERT_EQ(faces.faces.size(), 1u);
+    const double stepRadians = dense.stepDegrees * kDegree;
+    EXPECT_NEAR(faces.faces[0].camera.fx, 1 / stepRadians, 0.01 / stepRadians);
+    EXPECT_GT(faces.faces[0].camera.width, 5000);
+}
+
+TEST(CubeFaces, FewPointsTakeNoMemoryForMillions) {
+    std::vector<glm::vec3> points;
+    for (int y = -10; y <= 10; ++y)
+        for (int z = -10; z <= 10; ++z)
+            points.emplace_back(10.0f, 0.9f * static_cast<float>(y), 0.9f * static_cast<float>(z));
+    const Scan scan = loose(points);
+    const auto layouts = layOutFaces(scan, cubeFrame(scan, glm::dvec3(0)), {1e-5, 1e-5}, false, {});
+    EXPECT_TRUE(layouts[0].coarserThanScan);
+    EXPECT_LE(static_cast<double>(layouts[0].camera.width) * layouts[0].camera.height, 4096.0 * 4096.0);
 }
 
 TEST(CubeFaces, LoosePointsWithACrowdedOriginAreSeenFromTheRoomiestPlace) {
