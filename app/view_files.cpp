@@ -5,6 +5,7 @@
 #include "scene/json_file.h"
 
 #include <cmath>
+#include <unordered_set>
 
 #include <nlohmann/json.hpp>
 
@@ -60,8 +61,14 @@ std::vector<NamedView> readCamerasFile(const std::filesystem::path& path) {
     if (!root.is_object() || !root.contains("cameras") || !root["cameras"].is_array() || root["cameras"].empty())
         throw scene::Failure("lists no cameras", path, "write {\"cameras\": [...]}");
     std::vector<NamedView> views;
-    for (std::size_t i = 0; i < root["cameras"].size(); ++i)
-        views.push_back(readCamera(root["cameras"][i], path.string() + ", camera " + std::to_string(i)));
+    std::unordered_set<std::string> names; // of the pictures' files
+    for (std::size_t i = 0; i < root["cameras"].size(); ++i) {
+        const std::string where = path.string() + ", camera " + std::to_string(i);
+        views.push_back(readCamera(root["cameras"][i], where));
+        if (!names.insert(views.back().name).second)
+            throw scene::Failure("is called '" + views.back().name + "' like one before it", where,
+                                 "give each camera a name of its own");
+    }
     return views;
 }
 

@@ -114,6 +114,12 @@ TEST_F(ViewFiles, CamerasOfOtherTypesAreRefused) {
     expectNoCamera("cx", "32");
 }
 
+TEST_F(ViewFiles, CamerasOfOneNameAreRefused) { // else the pictures of one would replace those of the other
+    const std::string failure = failureOf<Failure>([&] { cameras({kCamera, kCamera}); });
+    expectRefused(failure, "twice the same");
+    EXPECT_NE(failure.find("camera 1"), std::string::npos) << failure;
+}
+
 TEST_F(ViewFiles, NumbersThatAreNoneAreRefused) {
     for (const char* number : kNoNumbers) {
         for (const char* key : {"width", "fx", "cx"}) {
