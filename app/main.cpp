@@ -239,9 +239,10 @@ void addWalk(CLI::App& program, app::WalkOptions& options, std::string& size, st
         "walk", "Walk through a scene in a headset (any OpenXR runtime), or without a display along a path.");
     walk->add_option("SCENE", options.scene, "folder that 'revisit build' made")->required();
     auto* desktop = walk->add_flag("--desktop", options.isAtDesk, "a window on the desk, even if there is a headset");
+    auto* path = walk->add_option("--path", options.path, "path file: where the walker is led, by time");
     walk->add_flag("--headless", options.isHeadless, "no headset and no window: along --path, frame by frame")
-        ->excludes(desktop);
-    walk->add_option("--path", options.path, "path file: where the walker is led, by time");
+        ->excludes(desktop)
+        ->needs(path);
     walk->add_option("--record", options.record, "path file to write: where the head went");
     walk->add_option("--out", options.out, "folder for report.json, and for pictures with --picture-every");
     walk->add_option("--picture-every", options.pictureEvery,

@@ -191,7 +191,8 @@ void time(const MeasureOptions& o, const std::vector<scene::Pose>& heads, const 
     }
     for (std::size_t i = 0; i < measured.size(); ++i) {
         const json summary = reports[i].summarise(on.device, *on.scene.images, json::object());
-        for (const char* field : {"frame_ms", "cpu_ms", "gpu_ms", "tiles_drawn", "samples_drawn"})
+        for (const char* field :
+             {"frame_ms", "cpu_ms", "gpu_ms", "tiles_tested", "tiles_rejected", "tiles_drawn", "samples_drawn"})
             measured[i].times[field] = summary.at(field);
         measured[i].medianMilliseconds = summary["frame_ms"]["median"];
         measured[i].p99Milliseconds = summary["frame_ms"]["p99"];

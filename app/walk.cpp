@@ -387,10 +387,9 @@ void Walk::mirror(render::Renderer& renderer, bool isAtDesk, const xr::Frame& fr
 }
 
 json Walk::reportOf(const WalkStage& stage) const {
-    json settings{{"scene", options_.scene.string()},
-                  {"display", stage.name()},
-                  {"hidden_share", stage.hiddenShares()},
-                  {"eyes", xr::kEyes}};
+    json settings{{"scene", options_.scene.string()},     {"display", stage.name()},
+                  {"width", stage.source().width()},      {"height", stage.source().height()},
+                  {"hidden_share", stage.hiddenShares()}, {"eyes", xr::kEyes}};
     settings.update(toJson(knobs_.quality));
     settings["coverage"] = toJson(stage.coverage());
     if (governed_) settings["governor"] = governed_->report();

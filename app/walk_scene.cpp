@@ -7,6 +7,7 @@
 #include "scene/errors.h"
 #include "scene/scene_file.h"
 
+#include <cassert>
 #include <csignal>
 #include <cstdio>
 #include <exception>
@@ -112,8 +113,7 @@ std::unique_ptr<xr::Window> openWindow(const WalkOptions& options) {
 } // namespace
 
 void walkScene(const WalkOptions& options) {
-    if (options.isHeadless && options.path.empty())
-        throw scene::Failure("leads nowhere", std::string("--headless"), "give --path FILE as well");
+    assert(!options.isHeadless || !options.path.empty());
     const scene::Scene scene = scene::openScene(options.scene);
     if (!options.out.empty()) {
         std::error_code error;

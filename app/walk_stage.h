@@ -28,6 +28,7 @@ class WalkStage {
     static WalkStage headless(const DrawnScene& drawn, xr::Headless::Path path, const WalkOptions& options);
 
     xr::ViewSource& source() { return *source_; }
+    const xr::ViewSource& source() const { return *source_; }
     /// Null if nobody wears one.
     xr::Headset* headset() { return headset_.get(); }
     input::Actions* actions() { return actions_.get(); }

@@ -82,6 +82,7 @@ TEST_F(Measure, SaysOfEachSettingWhatItsPicturesSay) {
         EXPECT_LT(setting.at("wrongly_solid_share"), 0.1);
         EXPECT_GT(setting.at("frame_ms").at("median"), 0);
         EXPECT_GE(setting.at("frame_ms").at("p99"), setting.at("frame_ms").at("median"));
+        EXPECT_GT(setting.at("tiles_tested").at("median"), setting.at("tiles_rejected").at("median"));
         EXPECT_EQ(setting.at("pictures").size(), heldOut.size());
         const std::string worst = path("swept/worst-" + (name[0] == 'r' ? "resolution_scale-0.5" : name) + ".png");
         EXPECT_EQ(cv::imread(worst).size(), cv::Size(320, 120)) << worst;
@@ -182,6 +183,8 @@ TEST_F(Measure, ARateThatCannotBeHeldCostsQualityAndIsReported) {
     };
     // A millisecond for two eyes of 640x480 is more than a processor can hold; where it is held nothing may change.
     const json held = report("held", "--hold-rate");
+    EXPECT_EQ(held.at("width"), 640);
+    EXPECT_EQ(held.at("height"), 480);
     ASSERT_TRUE(held.contains("governor"));
     const json governor = held.at("governor");
     EXPECT_EQ(governor.at("rate_hz"), 1000);

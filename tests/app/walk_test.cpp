@@ -163,6 +163,7 @@ TEST_F(Walk, WhoIsLedSeesWhatRenderDraws) {
                     << "pose " << i << " in " << space;
             }
     }
+    EXPECT_EQ(run({kRevisit, "walk", path("room.revisit"), "--headless"}, folder()).status, 2) << "leads nowhere";
 }
 
 TEST_F(Walk, TheSameBytesOnOneThreadAndAfterBeingKilled) {
