@@ -44,7 +44,7 @@ Annotator::Annotator(const scene::Scene& scene, const std::filesystem::path& sce
 }
 
 void Annotator::update(const NotingWants& wants) {
-    aimed_ = wants.aim ? scene::pick(scene_.blocks, *wants.aim) : std::nullopt;
+    aimed_ = wants.aim ? scene::pick(scene_.blocks, *wants.aim, wants.shown) : std::nullopt;
     const std::size_t before = noting_.notes.list.size();
     const bool hadStart = noting_.start.has_value();
     if (wants.undoes) noting_ = undo(std::move(noting_));
@@ -52,7 +52,7 @@ void Annotator::update(const NotingWants& wants) {
         if (!refused_.empty())
             notice_ = refused_;
         else if (!aimed_)
-            notice_ = "nothing there to note";
+            notice_ = "nothing that was seen is there to note";
         else if (!aimed_->isSeen)
             notice_ = "that range is a guess: only what was seen is noted";
         else

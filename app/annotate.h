@@ -17,6 +17,7 @@ struct NotingWants {
     std::optional<scene::Ray> aim; ///< in the world; none while nothing is aimed at
     NoteMode mode = NoteMode::points;
     bool presses = false, undoes = false; ///< for the one frame in which a button went down
+    scene::PickOptions shown{};           ///< what the walker is shown, and may thus aim at
 };
 
 class Annotator {

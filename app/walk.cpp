@@ -259,6 +259,7 @@ void Walk::go(WalkStage& stage, const xr::ViewSource& source, const xr::Frame& f
 void Walk::note(const input::Wants& wants, bool isAtDesk) {
     NotingWants noting;
     noting.undoes = wants.undo;
+    noting.shown = pickOptions();
     for (std::size_t i = 0; i < input::kHands; ++i) {
         const input::Hand& hand = wants.hands[i];
         const bool wasHeld = hands_[i].picks && hands_[i].isTracked;
@@ -273,11 +274,17 @@ void Walk::note(const input::Wants& wants, bool isAtDesk) {
     if (const std::string notice = annotator_->takeNotice(); !notice.empty()) say(notice);
 }
 
-std::optional<input::Surface> Walk::hit(const glm::dvec3& from, const glm::dvec3& direction) const {
-    const scene::Ray ray{worldFromWalk_ * from, worldFromWalk_.rotation * direction};
+scene::PickOptions Walk::pickOptions() const {
     scene::PickOptions options;
     options.shownGuesses = knobs_.quality.preference;
-    const std::optional<scene::Pick> pick = scene::pick(scene_.blocks, ray, options);
+    options.shownUnseen = showsUnseen_ ? &*scene_.coverage : nullptr;
+    options.unseenPocketMetres = knobs_.quality.unseenPocketMetres;
+    return options;
+}
+
+std::optional<input::Surface> Walk::hit(const glm::dvec3& from, const glm::dvec3& direction) const {
+    const scene::Ray ray{worldFromWalk_ * from, worldFromWalk_.rotation * direction};
+    const std::optional<scene::Pick> pick = scene::pick(scene_.blocks, ray, pickOptions());
     if (!pick || !pick->isSeen) return std::nullopt;
     // What has no normal is no floor.
     const glm::dvec3 normal = pick->normal ? scene_.walkFromWorld.rotation * *pick->normal : glm::dvec3(0);
@@ -307,6 +314,7 @@ void Walk::fillOverlay(const xr::ViewSource& source) {
 
 void Walk::advance(WalkStage& stage, const xr::ViewSource& source, const xr::Frame& frame) {
     if (deskSide_ != nullptr) knobs_ = deskSide_->desk.knobs();
+    showsUnseen_ = knobs_.quality.showUnseen && stage.coverage() != nullptr;
     if (frame.isTracked != wasTracked_)
         say(frame.isTracked ? "the head is tracked again" : "the head is not tracked; its last place is kept");
     wasTracked_ = frame.isTracked;

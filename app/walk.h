@@ -70,6 +70,8 @@ class Walk {
     void setHome();
     /// From now on walks through this scene begin where the walker stands.
     void startHere();
+    /// What rays may meet: what the walker is shown.
+    scene::PickOptions pickOptions() const;
     /// Where a ray of walk space meets something really seen.
     std::optional<input::Surface> hit(const glm::dvec3& from, const glm::dvec3& direction) const;
     /// What the walker is shown over the scene in this frame.
@@ -122,7 +124,7 @@ class Walk {
     double frameSeconds_ = 0, clockOffset_ = 0;
     std::chrono::steady_clock::time_point began_;
     std::size_t frame_ = 0;
-    bool wasTracked_ = true;
+    bool wasTracked_ = true, showsUnseen_ = false;
 };
 
 } // namespace app

@@ -1,5 +1,6 @@
 #include "scene/pick.h"
 
+#include "scene/coverage_ray.h"
 #include "scene/tile_chunks.h"
 
 #include <algorithm>
@@ -230,14 +231,20 @@ std::optional<Pick> pick(std::span<const TileBlock> blocks, const Ray& ray, cons
     const double snapPixels = eye.camera.fx * std::tan(options.snapRadians);
     const auto seenAt = coveredNearMiddle(seenDisparities, snapPixels);
     const auto guessAt = coveredNearMiddle(guessDisparities, 0.71); // no snapping to what nobody measured
+    const auto unlessHidden = [&](const Pick& hit) {
+        const bool isHidden = options.shownUnseen != nullptr &&
+                              firstUnseen(*options.shownUnseen, o, glm::normalize(hit.position - o),
+                                          hit.distanceMetres * (1 - kSurfaceSlack), options.unseenPocketMetres);
+        return isHidden ? std::nullopt : std::optional(hit);
+    };
     if (guessAt) {
         constexpr double kSameSurface = 0.02; // as ComparisonOptions
         const double guess = guessDisparities(guessAt->x, guessAt->y);
         if (guess > 0 && (!seenAt || guess > seenDisparities(seenAt->x, seenAt->y) * (1 + kSameSurface)))
-            return pickAt(eye, guessDisparities, *guessAt, false);
+            return unlessHidden(pickAt(eye, guessDisparities, *guessAt, false));
     }
     if (!seenAt || !(seenDisparities(seenAt->x, seenAt->y) > 0)) return std::nullopt;
-    return pickAt(eye, seenDisparities, *seenAt, true);
+    return unlessHidden(pickAt(eye, seenDisparities, *seenAt, true));
 }
 
 } // namespace scene

@@ -3,6 +3,7 @@
 // that it may see are warped into its few pixels, and what stands in the middle is hit. What is before it in the ray's
 // way is nearest by plain z order, from the base tier, which holds each surface once.
 
+#include "scene/coverage.h"
 #include "scene/tile.h"
 #include "scene/warp.h"
 
@@ -26,6 +27,10 @@ struct PickOptions {
     double snapRadians = 0.004;
     /// Which guesses of range are shown to an eye at the ray's origin, as a renderer would.
     PreferenceOptions shownGuesses;
+    /// What of space is shown as unseen, if anything is, and how far an eye in it looks through it: what is hidden by
+    /// it is not hit. Lent.
+    const Coverage* shownUnseen = nullptr;
+    double unseenPocketMetres = 0;
 };
 
 struct Pick {
@@ -37,8 +42,8 @@ struct Pick {
     bool isSeen = true;
 };
 
-/// Nothing where the ray ends in the sky or in what no image has seen. Parallel; the result does not depend on the
-/// number of threads.
+/// Nothing where the ray ends in the sky or first meets what no image has seen. Parallel; the result does not depend on
+/// the number of threads.
 std::optional<Pick> pick(std::span<const TileBlock> blocks, const Ray& ray, const PickOptions& options = {});
 
 } // namespace scene

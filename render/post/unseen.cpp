@@ -3,6 +3,7 @@
 #include "render/device.h"
 #include "render/post/coverage_texels.h"
 #include "scene/coverage_levels.h"
+#include "scene/coverage_ray.h"
 #include "scene/errors.h"
 #include "spirv/unseen.comp.h"
 
@@ -23,9 +24,6 @@ const glm::dvec3 kAcrossStripes{0.669, 0.571, 0.476};
 /// Without end, the pattern stands on the sky as wide as at this distance.
 constexpr double kSkyMetres = 2;
 constexpr float kSkyDepth = 1e6f;
-
-/// What is drawn stands on a surface, within its samples' error: its own far side must not count.
-constexpr float kSlack = 0.004f;
 
 } // namespace
 
@@ -60,7 +58,7 @@ UnseenConstants unseenConstants(const glm::dvec3& cornerInWorld, double edgeMetr
     const double phase = glm::dot(phasePerMetre, eye.worldFromEye.translation - cornerInWorld);
     UnseenConstants c;
     c.eye = packed(eyeInCube, quality.unseenPocketMetres);
-    c.base = packed(rotation * scene::rayThrough(camera, 0, 0) / edgeMetres, kSlack);
+    c.base = packed(rotation * scene::rayThrough(camera, 0, 0) / edgeMetres, scene::kSurfaceSlack);
     c.perX = packed(rotation * glm::dvec3(1 / camera.fx, 0, 0) / edgeMetres, camera.width);
     c.perY = packed(rotation * glm::dvec3(0, 1 / camera.fy, 0) / edgeMetres, camera.height);
     c.pattern = packed(phasePerMetre * edgeMetres, phase - std::floor(phase));

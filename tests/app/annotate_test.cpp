@@ -32,7 +32,7 @@ class Annotating : public testing::Test {
         scene_.blocks = {scene::lend(tiles_, camera, {})};
     }
     static NotingWants aimAt(double x, double y, NoteMode mode = NoteMode::points) {
-        return {scene::Ray{{0, 0, 0}, {x, y, 2}}, mode, false, false};
+        return {.aim = scene::Ray{{0, 0, 0}, {x, y, 2}}, .mode = mode};
     }
     static NotingWants pressAt(double x, double y, NoteMode mode = NoteMode::points) {
         NotingWants wants = aimAt(x, y, mode);
@@ -101,6 +101,27 @@ TEST_F(Annotating, GuessesAndEmptySpaceAreNotNoted) {
     annotator.update({.aim = {}, .presses = true});
     EXPECT_TRUE(annotator.notes().list.empty());
     EXPECT_FALSE(std::filesystem::exists(file()));
+}
+
+TEST_F(Annotating, WhatTheUnseenHidesIsNotNoted) {
+    scene_.coverage.emplace();
+    scene_.coverage->cornerInWorld = {-2, -2, -2};
+    scene_.coverage->edgeMetres = 4;
+    scene_.coverage->nodes.resize(1);
+    for (int y = 0; y < 4; ++y)
+        scene_.coverage->nodes[0].unseen |= scene::coverageMask(scene::coverageBit(2, y, 3)); // before half of the wall
+    Annotator annotator(scene_, scratch_.path());
+    NotingWants behind = pressAt(0.3, 0.2), beside = pressAt(-0.3, 0.2);
+    for (NotingWants* wants : {&behind, &beside})
+        wants->shown.shownUnseen = &*scene_.coverage;
+    annotator.update(behind);
+    EXPECT_FALSE(annotator.aimedAt());
+    EXPECT_NE(annotator.takeNotice().find("nothing"), std::string::npos);
+    annotator.update(beside);
+    EXPECT_TRUE(annotator.aimedAt());
+    behind.shown.shownUnseen = nullptr;
+    annotator.update(behind);
+    EXPECT_TRUE(annotator.aimedAt()) << "nor is it hidden where the unseen is not shown";
 }
 
 TEST_F(Annotating, UndoIsWrittenAndStopsAtEarlierWalks) {

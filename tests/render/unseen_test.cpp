@@ -4,6 +4,7 @@
 #include "render/post/unseen.h"
 #include "scene/coverage.h"
 #include "scene/coverage_levels.h"
+#include "scene/coverage_ray.h"
 #include "tests/render/test_device.h"
 #include "tests/render/test_scenes.h"
 #include "tests/scene/random_coverage.h"
@@ -97,7 +98,8 @@ TEST(UnseenWalk, FindsTheCellsOfTheTree) {
 }
 
 /// The first unseen point on a ray in steps far smaller than the cells; asked of the tree itself.
-double firstUnseen(const scene::Coverage& coverage, const glm::dvec3& eye, const glm::dvec3& direction, double end) {
+double firstUnseenBySteps(const scene::Coverage& coverage, const glm::dvec3& eye, const glm::dvec3& direction,
+                          double end) {
     for (double t = 0; t < end; t += 2e-4) {
         const glm::dvec3 p = coverage.cornerInWorld + coverage.edgeMetres * (eye + t * direction);
         const auto cell = cellAt(coverage, p);
@@ -117,7 +119,7 @@ TEST(UnseenWalk, StopsWhereTheRayEntersTheUnseen) {
         const glm::dvec3 eye(uniform(), uniform(), uniform());
         const glm::dvec3 direction(uniform() - 0.5, uniform() - 0.5, uniform() - 0.5);
         const double end = uniform();
-        const double expected = firstUnseen(coverage, eye, direction, end);
+        const double expected = firstUnseenBySteps(coverage, eye, direction, end);
         const UnseenHit hit =
             walkToUnseen(texels, vec3(eye), vec3(direction), 0.0f, static_cast<float>(end), vec2(0.0f));
         met += hit.isUnseen ? 1 : 0;
@@ -128,6 +130,30 @@ TEST(UnseenWalk, StopsWhereTheRayEntersTheUnseen) {
     EXPECT_GT(met, 300);
     EXPECT_LT(met, 950);
     EXPECT_LE(differ, 10);
+}
+
+// The walker's hand meets what the eye is shown.
+TEST(UnseenWalk, IsThatOfRaysInDoublePrecision) {
+    const scene::Coverage coverage = scene::randomCoverage(3, 3, 0.08);
+    const Texels texels(coverage);
+    std::mt19937 random(7);
+    const auto uniform = [&] { return static_cast<double>(random()) / 4294967296.0; };
+    int met = 0, differ = 0;
+    for (int i = 0; i < 4000; ++i) {
+        const glm::dvec3 eye = 2.0 * glm::dvec3(uniform(), uniform(), uniform()) - 0.5; // half of them outside
+        const glm::dvec3 unit = glm::normalize(glm::dvec3(uniform() - 0.5, uniform() - 0.5, uniform() - 0.5));
+        const double end = 8 * uniform(), pocket = i % 2 == 0 ? 0 : uniform();
+        const auto found =
+            scene::firstUnseen(coverage, coverage.cornerInWorld + coverage.edgeMetres * eye, unit, end, pocket);
+        const UnseenHit hit = walkToUnseen(texels, vec3(eye), vec3(unit / coverage.edgeMetres),
+                                           static_cast<float>(pocket), static_cast<float>(end), vec2(0.0f));
+        met += hit.isUnseen ? 1 : 0;
+        // In single precision a ray may pass a corner on the other side.
+        if (hit.isUnseen != found.has_value() || (found && std::abs(double{hit.depth} - *found) > 1e-3)) ++differ;
+    }
+    EXPECT_GT(met, 1000);
+    EXPECT_LT(met, 3900);
+    EXPECT_LE(differ, 8);
 }
 
 TEST(UnseenWalk, AnEyeInThePocketLooksThroughIt) {
