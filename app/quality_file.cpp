@@ -162,6 +162,11 @@ std::vector<Knob> makeKnobs() {
         number(
             "footprint_scale", "", "width of the square over what closes the holes within one surface", {0.1, 10},
             {0.65, 1.0, 1.25}, [](auto& q) -> auto& { return q.footprintScale; }, "points"),
+        yesOrNo(
+            "squares_near",
+            "points and splats: what is so near that max_footprint leaves gaps is drawn by squares between samples, "
+            "too",
+            {false}, [](auto& q) -> auto& { return q.drawsSquaresNear; }),
         number(
             "hole_radius", "pixels", "pixels that no sample reached are filled from surfaces this far about; 0: never",
             {0, render::kMostHoleRadius}, {0, 1, 8}, [](auto& q) -> auto& { return q.holes.radius; }),
@@ -212,6 +217,7 @@ Quality drawn(const char* warp, double resolutionScale) {
     quality.resolutionScale = resolutionScale;
     quality.preference = {};
     quality.holes.radius = 4;
+    quality.drawsSquaresNear = true;
     return quality;
 }
 

@@ -65,6 +65,16 @@ std::uint32_t footprintOf(const glm::dmat4& c, const scene::SampleBox& box, cons
     return static_cast<std::uint32_t>(scene::footprintOf(c, box, scale, most));
 }
 
+/// Whether points or splats as wide as they may be leave gaps between samples that squares would close.
+bool isTooWideFor(Warp warp, const glm::dmat4& c, const scene::SampleBox& box, const Quality& quality) {
+    if (warp == Warp::points)
+        return scene::footprintOf(c, box, quality.footprintScale, quality.maxFootprint + 1) > quality.maxFootprint ||
+               scene::slopeStepInEye(c, box) > quality.maxFootprint;
+    if (warp == Warp::splats && scene::slopeStepInEye(c, box) > 2 * quality.maxSplat) return true;
+    return warp == Warp::splats && scene::splatRadiusOf(c, box, quality.splatScale, quality.maxSplat + 1) >
+                                       static_cast<float>(quality.maxSplat);
+}
+
 /// Pixels.
 constexpr std::uint32_t kSmallStandIn = 4;
 
@@ -238,6 +248,9 @@ void chooseDraws(const SceneIndex& scene, std::span<const ChunkPlace> places, st
             if (isSmall) return Warp::points;
             if (isStandIn) return warpOf(tile, Warp::adaptive);
             const Warp warp = warpOf(tile, quality.warp);
+            if (quality.drawsSquaresNear && tile.quadCount > 0 &&
+                isTooWideFor(quality.warp, source.eyeImageFromSource, boxOf(scene.bounds, number), quality))
+                return Warp::mesh;
             const bool isWideScrap =
                 quality.warp == Warp::adaptive && warp == Warp::points &&
                 footprintOf(source.eyeImageFromSource, boxOf(scene.bounds, number), quality, false) > kWidestScrapPoint;
@@ -285,9 +298,11 @@ void chooseDraws(const SceneIndex& scene, std::span<const ChunkPlace> places, st
             std::optional<DrawList::Chosen> chosen = choose(visible.slots[piece.first + i]);
             if (!chosen) continue;
             add(*chosen);
-            if (!chosen->isStandIn || chosen->warp == Warp::points) continue;
-            chosen->warp = Warp::points;
-            chosen->items = itemsOf(scene.tiles[chosen->tile], Warp::points);
+            const Warp ofSamples = chosen->isStandIn ? Warp::points : quality.warp;
+            const bool isSurfaceAlone = !chosen->isStandIn && (ofSamples == Warp::mesh || ofSamples == Warp::adaptive);
+            if (isSurfaceAlone || chosen->warp == ofSamples) continue;
+            chosen->warp = ofSamples;
+            chosen->items = itemsOf(scene.tiles[chosen->tile], ofSamples);
             findReach(sources[piece.image], boxOf(scene.bounds, chosen->tile), quality, *chosen);
             add(*chosen);
         }

@@ -53,7 +53,8 @@ struct DrawList {
 };
 
 /// Stand-ins are drawn as surfaces, which stay whole however near one comes, and as points, which close what is left
-/// between surfaces: at coarse silhouettes that is wide.
+/// between surfaces: at coarse silhouettes that is wide. So are points and splats that are too wide for themselves
+/// (Quality::drawsSquaresNear), where some samples may be in no square.
 inline constexpr std::size_t kDrawsPerTile = 2;
 
 /// Coarse samples that stand in for finer ones are drawn as squares of so many pixels at most.

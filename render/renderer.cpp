@@ -27,11 +27,14 @@ bool closesGaps(const Quality& quality) {
     return isOfSamples && quality.holes.radius > 0;
 }
 
-/// Scraps of the adaptive mesh are points, and what bends is squares; and so is what stands in for missing chunks.
+/// Scraps of the adaptive mesh are points, and what bends is squares; and so is what stands in for missing chunks, or
+/// is right before the eye.
 std::vector<Warp> warpsFor(const Quality& quality, const GpuScene& scene) {
     std::vector<Warp> warps{quality.warp};
     if (quality.warp == Warp::adaptive || scene.isStreamed())
         warps.insert(warps.end(), {Warp::points, Warp::mesh, Warp::adaptive});
+    else if (quality.drawsSquaresNear)
+        warps.push_back(Warp::mesh);
     return warps;
 }
 

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include <glm/common.hpp>
+#include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
 namespace scene {
@@ -31,6 +32,14 @@ double sampleWidthInEye(const glm::dmat4& c, const SampleBox& box) {
                 widest = std::max(widest, std::max(across, down) * perW);
             }
     return widest;
+}
+
+double slopeStepInEye(const glm::dmat4& c, const SampleBox& box) {
+    const glm::dvec3 middle = 0.5 * (box.least + box.most), extent = box.most - box.least;
+    const glm::dvec3 h = glm::dvec3(c * glm::dvec4(middle.x, middle.y, 1, middle.z));
+    if (h.z <= 0) return std::numeric_limits<double>::infinity();
+    const glm::dvec2 at = glm::dvec2(h) / h.z, perDisparity = (glm::dvec2(c[3]) - at * c[3].z) / h.z;
+    return glm::length(perDisparity) * extent.z / std::max({extent.x, extent.y, 1.0});
 }
 
 double boxAreaInEye(const glm::dmat4& c, const SampleBox& box) {

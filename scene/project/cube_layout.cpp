@@ -18,9 +18,9 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr std::size_t kGrain = 1 << 16;
-/// A face may always have so many pixels, and beyond that so many for each of its points: a whole face of a regular
-/// scan has 2.7, one that is half sky twice that.
-constexpr double kUsualPixels = 4096.0 * 4096.0, kMostPixelsPerPoint = 8;
+/// A face may always have so many pixels, and beyond that so many for each point of the scan: of a regular scan that is
+/// many times what a face needs, however much of it is sky.
+constexpr double kUsualPixels = 4096.0 * 4096.0, kMostPixelsPerPoint = 2;
 
 // Azimuth of the middle of what the scanner saw, if it left out a quarter of the horizon or more; else 0.
 double frontAzimuth(const Scan& scan, const glm::dvec3& copInScanner) {
@@ -144,7 +144,8 @@ std::array<FaceLayout, kFaceCount> layOutFaces(const Scan& scan, const CubeFrame
                              layOutAxis(b.minY, b.maxY, isSide ? steps.vertical : finest, overlap, maxSize));
         };
         auto [x, y] = layOut(options.maxFaceSize);
-        const double most = std::max(kUsualPixels, kMostPixelsPerPoint * static_cast<double>(b.ownPoints));
+        const double most =
+            std::max(kUsualPixels, kMostPixelsPerPoint * static_cast<double>(scan.pointsInScanner.size()));
         if (static_cast<double>(x.size) * y.size > most) std::tie(x, y) = layOut(static_cast<int>(std::sqrt(most)));
         layouts[face] = {Camera{x.size, y.size, x.focal, y.focal, x.centre, y.centre}, x.coarser || y.coarser};
     }

@@ -39,9 +39,9 @@ struct AngularSteps {
     double horizontal = 0, vertical = 0;
 };
 
-/// The image of one face; width 0 if no point is its own. Cropped to what the scan covers, and no larger than its
-/// points justify: few of them, far apart in angle, must not take memory for millions. Where the scan is a mesh, a face
-/// reaches kMeshOverlapPixels beyond its 90 degrees, so that no seam opens between the meshes of two faces.
+/// The image of one face; width 0 if no point is its own. Cropped to what the scan covers, and no larger than the
+/// scan's points justify: few of them, far apart in angle, must not take memory for millions. Where the scan is a mesh,
+/// a face reaches kMeshOverlapPixels beyond its 90 degrees, so that no seam opens between the meshes of two faces.
 struct FaceLayout {
     Camera camera;
     bool coarserThanScan = false; ///< the scan's own density was not allowed

@@ -97,6 +97,30 @@ TEST_F(PointsTest, FootprintsCloseTheHolesOfAMagnifiedPlane) {
     EXPECT_LT(coverage(drawOnce(scene, nearer, quality)), 0.5);
 }
 
+TEST_F(PointsTest, SquaresCloseWhatIsTooNearForPoints) {
+    const CutScene plane = cut({takePlane(cameraOf(100, 100, 1.5), {0.2, 0, 1}, 2)});
+    const GpuScene scene(testDevice(), plane.blocks());
+    const scene::View nearer{cameraOf(300, 300, 1.5), {glm::dmat3(1.0), {0, 0, 1.3}}};
+    for (const Warp warp : {Warp::points, Warp::splats}) {
+        Quality quality{.warp = warp, .maxFootprint = 4, .maxSplat = 2};
+        EXPECT_LT(coverage(drawOnce(scene, nearer, quality)), 0.9);
+        quality.drawsSquaresNear = true;
+        const EyeImage closed = drawOnce(scene, nearer, quality);
+        EXPECT_EQ(coverage(closed), 1.0);
+        // Surfaces stand where the mesh has them, or within a sample's width of it.
+        const EyeImage mesh = drawOnce(scene, nearer, {.warp = Warp::mesh});
+        for (int y = 0; y < 300; ++y)
+            for (int x = 0; x < 300; ++x)
+                ASSERT_NEAR(closed.depthMetres(x, y) / mesh.depthMetres(x, y), 1, 0.01) << x << " " << y;
+        // Where they are narrow enough, nothing is drawn besides.
+        const scene::View afar{cameraOf(300, 300, 1.5), {glm::dmat3(1.0), {0, 0, -0.5}}};
+        Quality without = quality;
+        without.drawsSquaresNear = false;
+        const EyeImage a = drawOnce(scene, afar, quality), b = drawOnce(scene, afar, without);
+        EXPECT_TRUE(a.colour == b.colour && a.depthMetres == b.depthMetres);
+    }
+}
+
 /// Turned by any angle, at any distance: what stands across the camera's axis has no holes.
 TEST_F(PointsTest, NoHolesOpenInATurnedPlane) {
     const CutScene plane = cut({takePlane(cameraOf(300, 300, 2.0), {0, 0, 1}, 2)});
