@@ -59,7 +59,10 @@ void buildScene(const BuildOptions& options) {
         for (scene::ScanSource& scan : capture.scans)
             scan.reading = reading;
     }
-    if (!options.camera.empty()) useCameraFile(capture, options.camera);
+    if (!options.camera.empty()) {
+        useCameraFile(capture, options.camera);
+        scene::checkPlausible(capture);
+    }
     const scene::HeldOut heldOut = scene::findHeldOut(capture, options.holdOut);
     checkHeldOut(heldOut, options, capture);
     if (capture.polygons.empty() && capture.scans.empty() && heldOut.photos.size() == capture.photos.size())
@@ -90,6 +93,7 @@ void buildScene(const BuildOptions& options) {
     if (capture.polygons.empty() && capture.scans.empty())
         reports.silhouettes = settleSilhouettes(imported, overlaps, options, store);
     const SkinStage skins = markSkins(imported, overlaps, options, store);
+    if (skins.figures.samples == 0) throw nothingToBuild(options);
     const KeepStage kept = keepBest(imported, overlaps, skins, options, store);
     const TileStage tiles = fuseAndCut(imported, overlaps, skins, kept, options, store);
     const CoverageStage coverage = coverSpace(skins, options, store);

@@ -6,6 +6,7 @@
 
 #include "scene/errors.h"
 #include "scene/scene_file.h"
+#include "scene/unfinished_file.h"
 
 #include <cassert>
 #include <csignal>
@@ -13,6 +14,8 @@
 #include <exception>
 #include <optional>
 #include <thread>
+
+#include <unistd.h>
 
 namespace app {
 
@@ -110,6 +113,13 @@ std::unique_ptr<xr::Window> openWindow(const WalkOptions& options) {
     }
 }
 
+/// Found out before the walk, since what is recorded is written after it.
+bool mayBeWritten(const std::filesystem::path& file) {
+    std::error_code ignored;
+    const std::filesystem::path folder = std::filesystem::absolute(file, ignored).parent_path();
+    return !std::filesystem::is_directory(file, ignored) && ::access(folder.c_str(), W_OK) == 0;
+}
+
 } // namespace
 
 void walkScene(const WalkOptions& options) {
@@ -122,6 +132,8 @@ void walkScene(const WalkOptions& options) {
             throw scene::Failure("cannot be made (" + error.message() + ")", options.out,
                                  "check that the folder may be written");
     }
+    if (!options.record.empty() && !mayBeWritten(options.record))
+        throw scene::Failure("cannot be written", options.record, scene::kWriteRemedy);
     xr::hushLoader();
     const EndBySignal endBySignal;
     if (const std::unique_ptr<xr::Window> window = openWindow(options))

@@ -10,6 +10,8 @@ namespace scene {
 using nlohmann::json;
 
 json readJsonFile(const std::filesystem::path& path) {
+    std::error_code ignored;
+    if (std::filesystem::is_directory(path, ignored)) throw Failure("is a folder", path, "name a file");
     std::ifstream file(path);
     if (!file) throw Failure("no such file", path, "check the path");
     try {

@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <fstream>
 #include <unordered_map>
 #include <unordered_set>
@@ -114,6 +115,29 @@ int toCount(std::string_view text, const std::string& rule) {
     return value;
 }
 
+void requirePlausible(const Camera& camera, const std::string& name, const std::filesystem::path& path) {
+    // Focal lengths over the picture's side: 179 degrees across, and 2, which few lenses have; a centre no farther out
+    // than that of a small piece of a picture.
+    constexpr double kShortest = 0.008, kLongest = 30, kFarthestCentre = 10;
+    const auto isPlausible = [](double focal, double centre, int side) {
+        return focal >= kShortest * side && focal <= kLongest * side &&
+               std::abs(centre - 0.5 * side) <= kFarthestCentre * side;
+    };
+    if (!isPlausible(camera.fx, camera.cx, camera.width) || !isPlausible(camera.fy, camera.cy, camera.height))
+        throw Failure("the camera of '" + name +
+                          "' is none that takes pictures: its focal length or centre is out of "
+                          "proportion to " +
+                          std::to_string(camera.width) + "x" + std::to_string(camera.height) + " pixels",
+                      path, "correct its intrinsics, which are in pixels");
+}
+
+void requirePlausible(const Pose& worldFromIt, const std::string& name, const std::filesystem::path& path) {
+    constexpr double kFarthestMetres = 1e8; // coordinates about the earth's centre are a tenth of it
+    const glm::dvec3& t = worldFromIt.translation;
+    if (!(std::max({std::abs(t.x), std::abs(t.y), std::abs(t.z)}) <= kFarthestMetres))
+        throw Failure("'" + name + "' stands more than 100,000 km from the origin", path, "correct its pose");
+}
+
 /// Which of all photographs, those beside scans last, a file names; ascending.
 std::vector<std::size_t> readNames(const Capture& capture, const std::string& path) {
     std::unordered_map<std::string, std::size_t> indexOf;
@@ -157,7 +181,21 @@ Capture openCapture(std::span<const std::filesystem::path> inputs) {
         for (const char* const face : kFaceNames) // the images that scans become
             taken.insert(scan.name + "-" + face);
     makeNamesUnique(capture.scanPhotos, taken);
+    checkPlausible(capture);
     return capture;
+}
+
+void checkPlausible(const Capture& capture) {
+    for (const PhotoSource& photo : capture.photos) {
+        requirePlausible(photo.camera, photo.name, photo.colourPath);
+        requirePlausible(photo.worldFromCamera, photo.name, photo.colourPath);
+    }
+    for (const ScanSource& scan : capture.scans)
+        requirePlausible(scan.worldFromScanner, scan.name, scan.path);
+    for (const ScanPhoto& photo : capture.scanPhotos) {
+        requirePlausible(photo.camera, photo.name, photo.path);
+        requirePlausible(photo.worldFromCamera, photo.name, photo.path);
+    }
 }
 
 HeldOut findHeldOut(const Capture& capture, const std::string& rule) {

@@ -1,6 +1,7 @@
 #include "scene/import/polygons.h"
 
 #include "scene/errors.h"
+#include "scene/import/gltf_nodes.h"
 #include "scene/import/mtl_opacity.h"
 #include "scene/import/polygon_files.h"
 #include "scene/import/polygon_textures.h"
@@ -189,6 +190,7 @@ bool isPolygonFile(const std::filesystem::path& path) {
 PolygonScene readPolygons(const std::filesystem::path& path) {
     std::error_code error;
     if (!std::filesystem::is_regular_file(path, error)) throw Failure("no such file", path, "check the path");
+    checkGltfNodes(path, kDeepestNode);
     Assimp::Importer importer;
     std::filesystem::path folder = std::filesystem::absolute(path).parent_path();
     auto* files = new PolygonFiles(folder); // the importer owns it

@@ -164,6 +164,12 @@ TEST_F(Walk, WhoIsLedSeesWhatRenderDraws) {
             }
     }
     EXPECT_EQ(run({kRevisit, "walk", path("room.revisit"), "--headless"}, folder()).status, 2) << "leads nowhere";
+    const Outcome late = run({kRevisit, "walk", path("room.revisit"), "--headless", "--path", path("walk.json"),
+                              "--out", path("never"), "--record", path("no/walk.json")},
+                             folder());
+    EXPECT_EQ(late.status, 1);
+    EXPECT_NE(late.output.find("no/walk.json: cannot be written"), std::string::npos) << late.output;
+    EXPECT_FALSE(std::filesystem::exists(path("never/report.json"))) << "found out before the walk";
 }
 
 TEST_F(Walk, TheSameBytesOnOneThreadAndAfterBeingKilled) {

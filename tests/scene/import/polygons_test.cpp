@@ -199,6 +199,39 @@ TEST(Polygons, AFileThatIsCutAnywhereIsReadOrRefusedInOneLine) {
     EXPECT_THAT(failureOf<Failure>([&] { readPolygons(folder / "a.gltf"); }), HasSubstr("a.gltf"));
 }
 
+// A few kilobytes that would take the stack, or all memory.
+TEST(Polygons, NodesThatAreNoTreeOrTooDeepAreRefused) {
+    const ScratchFolder folder;
+    const auto refused = [&](const std::vector<std::string>& children) {
+        std::string nodes;
+        for (const std::string& of : children)
+            nodes += "{\"children\": [" + of + "]}, ";
+        const std::string text = R"({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [)" +
+                                 nodes + R"({"name": "last"}]})";
+        std::string chunk(4, '\0');
+        const auto length = static_cast<std::uint32_t>(text.size()), all = length + 20, version = std::uint32_t{2};
+        std::string glb = "glTF";
+        for (const std::uint32_t word : {version, all, length, std::uint32_t{0x4E4F534A}}) {
+            std::memcpy(chunk.data(), &word, chunk.size());
+            glb += chunk;
+        }
+        writeFile(folder / "a.gltf", text);
+        writeFile(folder / "a.glb", glb + text);
+        const std::string failure = failureOf<Failure>([&] { readPolygons(folder / "a.gltf"); });
+        const std::string ofBinary = failureOf<Failure>([&] { readPolygons(folder / "a.glb"); });
+        EXPECT_EQ(failure.substr(failure.find("a.gltf") + 6), ofBinary.substr(ofBinary.find("a.glb") + 5));
+        return failure;
+    };
+    std::vector<std::string> chain, twice;
+    for (int i = 1; i <= 50000; ++i)
+        chain.push_back(std::to_string(i));
+    EXPECT_THAT(refused(chain), HasSubstr("more than 1000 deep"));
+    for (int i = 1; i <= 40; ++i)
+        twice.push_back(std::to_string(i) + ", " + std::to_string(i));
+    EXPECT_THAT(refused(twice), HasSubstr("node 1 is a child twice"));
+    EXPECT_THAT(refused({"1", "0"}), HasSubstr("more than 1000 deep")) << "a circle";
+}
+
 TEST(Polygons, WhatIsNoNumberIsLeftOutAndCounted) {
     const ScratchFolder folder;
     writeFile(folder / "a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv nan 0 0\nv inf 1 1\nf 1 2 3\nf 1 2 4\nf 2 3 5\n");

@@ -152,6 +152,26 @@ TEST_F(TransformsJson, NumbersThatAreNoneAreNotPassedOver) {
     }
 }
 
+TEST_F(TransformsJson, WhatNoCaptureHasIsRefused) {
+    const auto refuse = [&](const json& root, const char* why) {
+        writeFile(manifest_, root.dump());
+        const std::vector<std::filesystem::path> inputs{manifest_};
+        const std::string failure = failureOf<Failure>([&] { openCapture(inputs); });
+        EXPECT_NE(failure.find(why), std::string::npos) << failure << root;
+    };
+    glm::dmat4 far(1.0);
+    far[3][1] = 1e30;
+    json root = manifestOf({frameNamed("a")});
+    root["frames"][0]["transform_matrix"] = matrixOf(far);
+    refuse(root, "more than 100,000 km from the origin");
+    for (const auto& [key, value] :
+         {std::pair("fl_x", 1e30), {"fl_x", 1e-30}, {"fl_y", 1e6}, {"cx", 1e300}, {"cy", -1e6}}) {
+        json odd = manifestOf({frameNamed("a")});
+        odd[key] = value;
+        refuse(odd, "none that takes pictures");
+    }
+}
+
 TEST_F(TransformsJson, PosesThatAreNotRigidAreRefused) {
     const auto refuse = [&](const json& matrix, const char* what) {
         SCOPED_TRACE(what);
