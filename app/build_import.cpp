@@ -12,6 +12,7 @@
 #include "scene/import/ptx.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include <tbb/parallel_for.h>
 
@@ -52,6 +53,17 @@ std::string keyOfScan(const scene::ScanSource& scan, const ScanPhotographs& phot
                   describeReading(scan),
                   photographs.key,
                   {faces.maxFaceSize, faces.sameSurface, faces.maxLayers}});
+}
+
+/// A scan's faces with their further layers, some thirty images of 8 bytes a pixel, and what they are made by, stay
+/// within the memory that may be taken; always as large as they may be anywhere.
+scene::CubeFaceOptions within(scene::CubeFaceOptions faces, std::uint64_t memoryBytes) {
+    constexpr double kBytesPerPixel = 400;
+    constexpr int kAlways = 4096;
+    const double side = std::sqrt(static_cast<double>(memoryBytes) / kBytesPerPixel);
+    faces.maxFaceSize =
+        std::clamp(static_cast<int>(std::min(side, 1e6)), kAlways, std::max(kAlways, faces.maxFaceSize));
+    return faces;
 }
 
 /// The faces of a scan and, in points.json, what became of its points.
@@ -150,13 +162,13 @@ ImportedImages importImages(scene::Capture& capture, const std::vector<std::size
     imported.images = std::move(photos);
 
     // One scan at a time: the points of a single one may fill the memory.
+    const scene::CubeFaceOptions cubeFaces = within(options.cubeFaces, options.memoryBytes);
     for (std::size_t i = 0; i < capture.scans.size(); ++i) {
         const scene::ScanSource& scan = capture.scans[i];
         const ScanPhotographs& own = photographs.ofScan[i];
-        keys.push_back(keyOfScan(scan, own, options.cubeFaces));
-        const std::filesystem::path folder = store.find("scan", keys.back(), [&](const std::filesystem::path& part) {
-            writeFaces(scan, own, options.cubeFaces, part);
-        });
+        keys.push_back(keyOfScan(scan, own, cubeFaces));
+        const std::filesystem::path folder = store.find(
+            "scan", keys.back(), [&](const std::filesystem::path& part) { writeFaces(scan, own, cubeFaces, part); });
         imported.images.insert(imported.images.end(), own.images.begin(), own.images.end());
         const json points = readJson(folder / "points.json");
         for (const json& name : points.at("faces"))
@@ -166,8 +178,8 @@ ImportedImages importImages(scene::Capture& capture, const std::vector<std::size
         imported.scanPoints.dropped += points.at("dropped").get<std::int64_t>();
         if (points.at("coarser_than_scan").get<bool>())
             tell(capture, "Scan '" + scan.name +
-                              "' is denser than its images may be: where it is densest, several of its points share a "
-                              "sample.");
+                              "' is denser than its images may be within --memory: where it is densest, several of its "
+                              "points share a sample.");
         for (int axis = 0; axis < 3; ++axis)
             imported.uprightInWorld[axis] += points.at("up").at(static_cast<std::size_t>(axis)).get<double>();
         progress.advance();

@@ -253,6 +253,7 @@ PhotographStage layPhotographs(scene::Capture& capture, const std::vector<std::s
         tell(capture,
              "How most photographs are turned could not be found. E57 cannot say how a lens distorts: if theirs "
              "does, --camera FILE says it ('revisit calibrate camera' finds it from pictures of a board).");
+    if (stage.report.empty()) stage.report = nullptr; // all are held out
     return stage;
 }
 

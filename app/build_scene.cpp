@@ -7,6 +7,7 @@
 #include "scene/errors.h"
 #include "scene/import/importer.h"
 #include "scene/import/scan_photos.h"
+#include "scene/unfinished_file.h"
 
 #include <cstdio>
 
@@ -44,43 +45,22 @@ void checkHeldOut(const scene::HeldOut& heldOut, const BuildOptions& options, co
                          "begin earlier, or leave it out");
 }
 
-} // namespace
-
-void tell(scene::Capture& capture, const std::string& sentence) {
-    std::fprintf(stderr, "note: %s\n", sentence.c_str());
-    capture.remarks.push_back(sentence);
+/// Some photographs beside scans cannot be laid on them.
+void checkLaid(const scene::HeldOut& heldOut, const PhotographStage& photographs, const BuildOptions& options) {
+    if (heldOut.photos.empty() && !heldOut.scanPhotos.empty() && photographs.heldOut.empty())
+        throw scene::Failure("keeps photographs out that cannot be laid on their scans",
+                             "--hold-out " + options.holdOut,
+                             "name others, or take them as the file has them with --register given");
 }
 
-void buildScene(const BuildOptions& options) {
-    scene::Capture capture = scene::openCapture(options.inputs);
-    checkWishes(options, capture);
-    if (!options.scanner.empty()) {
-        const scene::ScannerReading reading = scene::readScannerFile(options.scanner);
-        for (scene::ScanSource& scan : capture.scans)
-            scan.reading = reading;
-    }
-    if (!options.camera.empty()) {
-        useCameraFile(capture, options.camera);
-        scene::checkPlausible(capture);
-    }
-    const scene::HeldOut heldOut = scene::findHeldOut(capture, options.holdOut);
-    checkHeldOut(heldOut, options, capture);
-    if (capture.polygons.empty() && capture.scans.empty() && heldOut.photos.size() == capture.photos.size())
-        throw nothingToBuild(options);
-    for (const std::string& remark : capture.remarks)
-        std::fprintf(stderr, "note: %s\n", remark.c_str());
-
-    std::filesystem::path work = std::filesystem::absolute(options.output).lexically_normal();
-    if (!work.has_filename()) work = work.parent_path();
-    const std::filesystem::path output = work;
-    checkReplaceable(output);
-    work += ".build";
-    StageStore store(work);
-
+/// The stages of a build, one after the other.
+void runStages(scene::Capture& capture, const scene::HeldOut& heldOut, const BuildOptions& options, StageStore& store,
+               const std::filesystem::path& output) {
     BuildReports reports;
     reports.registration = registerCapture(capture, options, store);
     reports.poses = adjustPoses(capture, heldOut.photos, options, store);
     PhotographStage photographs = layPhotographs(capture, heldOut.scanPhotos, options, store);
+    checkLaid(heldOut, photographs, options);
     reports.photographEvening = evenPhotographs(photographs, options, store);
     ImportedImages imported = capture.polygons.empty()
                                   ? importImages(capture, heldOut.photos, photographs, options, store)
@@ -99,6 +79,52 @@ void buildScene(const BuildOptions& options) {
     const CoverageStage coverage = coverSpace(skins, options, store);
     writeScene(output, capture, heldOut.photos, photographs.heldOut, imported, overlaps, skins, kept, tiles, coverage,
                reports, options);
+}
+
+/// What to throw where a file of an earlier run cannot be read: whoever wrote that reader did not know whose file it
+/// is.
+scene::Failure damagedStage(const std::string& message, const std::filesystem::path& work) {
+    return {"holds results of an earlier run that are damaged (" + message.substr(0, message.rfind("; ")) + ")", work,
+            "remove this folder and build again"};
+}
+
+} // namespace
+
+void tell(scene::Capture& capture, const std::string& sentence) {
+    std::fprintf(stderr, "note: %s\n", sentence.c_str());
+    capture.remarks.push_back(sentence);
+}
+
+void buildScene(const BuildOptions& options) {
+    scene::Capture capture = scene::openCapture(options.inputs);
+    checkWishes(options, capture);
+    if (!options.scanner.empty()) {
+        const scene::ScannerReading reading = scene::readScannerFile(options.scanner);
+        for (scene::ScanSource& scan : capture.scans)
+            scan.reading = reading;
+    }
+    if (!options.camera.empty()) useCameraFile(capture, options.camera);
+    const scene::HeldOut heldOut = scene::findHeldOut(capture, options.holdOut);
+    checkHeldOut(heldOut, options, capture);
+    if (capture.polygons.empty() && capture.scans.empty() && heldOut.photos.size() == capture.photos.size())
+        throw nothingToBuild(options);
+    for (const std::string& remark : capture.remarks)
+        std::fprintf(stderr, "note: %s\n", remark.c_str());
+
+    std::filesystem::path work = std::filesystem::absolute(options.output).lexically_normal();
+    if (!work.has_filename()) work = work.parent_path();
+    const std::filesystem::path output = work;
+    checkReplaceable(output);
+    work += ".build";
+    StageStore store(work);
+    try {
+        runStages(capture, heldOut, options, store, output);
+    } catch (const scene::Failure& failure) {
+        const std::string message = failure.what();
+        if (message.starts_with(work.string() + "/") && !message.ends_with(scene::kWriteRemedy))
+            throw damagedStage(message, work);
+        throw;
+    }
 }
 
 } // namespace app

@@ -149,7 +149,9 @@ std::vector<Knob> makeKnobs() {
             {false}, [](auto& q) -> auto& { return q.leavesOutHidden; }),
         yesOrNo(
             "one_pass",
-            "points and splats: both eyes are warped in one pass that reads each sample once; pictures are the same",
+            "points and splats: both eyes are warped in one pass that reads each sample once, where no squares_near "
+            "are "
+            "drawn; pictures are the same",
             {true}, [](auto& q) -> auto& { return q.isOnePass; }),
         number(
             "near_baseline", "",
@@ -164,8 +166,8 @@ std::vector<Knob> makeKnobs() {
             {0.65, 1.0, 1.25}, [](auto& q) -> auto& { return q.footprintScale; }, "points"),
         yesOrNo(
             "squares_near",
-            "points and splats: what is so near that max_footprint leaves gaps is drawn by squares between samples, "
-            "too",
+            "points and splats: where samples are seen farther apart than max_footprint, squares between them are "
+            "drawn, too",
             {false}, [](auto& q) -> auto& { return q.drawsSquaresNear; }),
         number(
             "hole_radius", "pixels", "pixels that no sample reached are filled from surfaces this far about; 0: never",

@@ -4,6 +4,7 @@
 #include "app/stage_store.h"
 
 #include "input/path.h"
+#include "scene/coverage_levels.h"
 #include "scene/errors.h"
 #include "scene/pick.h"
 #include "xr/check.h"
@@ -274,10 +275,21 @@ void Walk::note(const input::Wants& wants, bool isAtDesk) {
     if (const std::string notice = annotator_->takeNotice(); !notice.empty()) say(notice);
 }
 
+const scene::Coverage* Walk::findShownUnseen(const WalkStage& stage) {
+    if (!knobs_.quality.showUnseen || stage.coverage() == nullptr) return nullptr;
+    const int drawn = stage.coverage()->levels();
+    if (drawn != coarserLevels_) {
+        coarserLevels_ = drawn;
+        coarser_.reset();
+        if (drawn < scene::levelsOf(*scene_.coverage)) coarser_ = scene::coarsened(*scene_.coverage, drawn);
+    }
+    return coarser_ ? &*coarser_ : &*scene_.coverage;
+}
+
 scene::PickOptions Walk::pickOptions() const {
     scene::PickOptions options;
     options.shownGuesses = knobs_.quality.preference;
-    options.shownUnseen = showsUnseen_ ? &*scene_.coverage : nullptr;
+    options.shownUnseen = shownUnseen_;
     options.unseenPocketMetres = knobs_.quality.unseenPocketMetres;
     return options;
 }
@@ -314,7 +326,7 @@ void Walk::fillOverlay(const xr::ViewSource& source) {
 
 void Walk::advance(WalkStage& stage, const xr::ViewSource& source, const xr::Frame& frame) {
     if (deskSide_ != nullptr) knobs_ = deskSide_->desk.knobs();
-    showsUnseen_ = knobs_.quality.showUnseen && stage.coverage() != nullptr;
+    shownUnseen_ = findShownUnseen(stage);
     if (frame.isTracked != wasTracked_)
         say(frame.isTracked ? "the head is tracked again" : "the head is not tracked; its last place is kept");
     wasTracked_ = frame.isTracked;

@@ -70,6 +70,8 @@ class Walk {
     void setHome();
     /// From now on walks through this scene begin where the walker stands.
     void startHere();
+    /// What of space is shown as unseen; null if nothing is.
+    const scene::Coverage* findShownUnseen(const WalkStage& stage);
     /// What rays may meet: what the walker is shown.
     scene::PickOptions pickOptions() const;
     /// Where a ray of walk space meets something really seen.
@@ -124,7 +126,10 @@ class Walk {
     double frameSeconds_ = 0, clockOffset_ = 0;
     std::chrono::steady_clock::time_point began_;
     std::size_t frame_ = 0;
-    bool wasTracked_ = true, showsUnseen_ = false;
+    bool wasTracked_ = true;
+    const scene::Coverage* shownUnseen_ = nullptr; ///< null: nothing is
+    std::optional<scene::Coverage> coarser_;       ///< as it is drawn, if that is not all of it
+    int coarserLevels_ = 0;
 };
 
 } // namespace app

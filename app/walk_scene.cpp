@@ -8,7 +8,6 @@
 #include "scene/scene_file.h"
 #include "scene/unfinished_file.h"
 
-#include <cassert>
 #include <csignal>
 #include <cstdio>
 #include <exception>
@@ -123,7 +122,8 @@ bool mayBeWritten(const std::filesystem::path& file) {
 } // namespace
 
 void walkScene(const WalkOptions& options) {
-    assert(!options.isHeadless || !options.path.empty());
+    if (options.isHeadless && options.path.empty())
+        throw scene::Failure("leads nowhere", std::string("--path"), "name a file");
     const scene::Scene scene = scene::openScene(options.scene);
     if (!options.out.empty()) {
         std::error_code error;

@@ -20,8 +20,8 @@ const DrawList::Chosen& chosenOf(const DrawList& list, std::uint32_t draw) {
     return list.chosen[list.order[draw]];
 }
 
-/// Pairs in no order, and the bucket of each. A tile stands once in each list: only surfaces that stand
-/// in for finer ones are drawn twice.
+/// Pairs in no order, and the bucket of each. A tile stands once in each list: drawn twice is only what surfaces are
+/// drawn of, too.
 void findPairs(std::size_t tiles, const DrawList& left, const DrawList& right, PairList& list) {
     list.unsorted.clear(), list.buckets.clear();
     list.rightOfTile.resize(tiles, kNoDraw);

@@ -31,9 +31,9 @@ struct Quality {
     int maxSplat = 4;
     double splatScale = 1.0;
 
-    /// Points and splats: where a tile's samples would be wider than maxFootprint, or than maxSplat to both sides, the
-    /// mesh's squares between them are drawn as well. Else gaps open in walls right before the eye, and what nobody saw
-    /// is taken for seen through them.
+    /// Points and splats: where a tile's samples are seen farther apart than maxFootprint, or 2 maxSplat, or may be
+    /// since its surface slopes, the mesh's squares are drawn, too. Else gaps open in walls right before the eye and in
+    /// what was scanned at a glance, and unseen space is shown through them.
     bool drawsSquaresNear = false;
 
     /// Which of several samples of one surface is shown; directional tiles are drawn only with it. As it stands here:

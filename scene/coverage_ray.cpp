@@ -41,6 +41,7 @@ std::optional<double> firstUnseen(const Coverage& coverage, const glm::dvec3& or
     assert(std::abs(glm::length(direction) - 1) < 1e-6 && !coverage.nodes.empty());
     const Stretch cube = within(coverage.cornerInWorld, coverage.edgeMetres, originInWorld, direction);
     const double nudge = kNudge * coverage.edgeMetres;
+    double step = nudge; // grows where rounding keeps the ray in a cell that it has left
     double t = std::max(cube.begin, 0.0);
     const bool isMissed = !(t < cube.end);
     bool isInPocket = isMissed || cube.begin > 0 || pocket > 0;
@@ -54,7 +55,9 @@ std::optional<double> firstUnseen(const Coverage& coverage, const glm::dvec3& or
                 if (t > pocket) break;
                 isInPocket = false;
             }
-            t = std::max(t, within(cell->cornerInWorld, cell->edgeMetres, originInWorld, direction).end) + nudge;
+            const double leaves = within(cell->cornerInWorld, cell->edgeMetres, originInWorld, direction).end;
+            step = leaves > t ? nudge : 2 * step;
+            t = std::max(t, leaves) + step;
         }
     if (!isInPocket) return std::nullopt;
     const double reached = isMissed || t >= cube.end ? end : std::min(t, end);

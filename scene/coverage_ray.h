@@ -12,8 +12,8 @@ inline constexpr double kSurfaceSlack = 0.004;
 
 /// Metres along a ray to where space begins that no image observed; nothing if none does before `end`. direction: a
 /// unit vector. Where the origin itself stands in such space, that is looked through, but no farther than `pocket`
-/// metres: beyond, the answer is where that stretch ends. Outside of the cube nothing was observed, but a ray that
-/// leaves it in observed space meets nothing.
+/// metres along the ray (pictures: of depth): beyond, the answer is where that stretch ends. Outside of the cube
+/// nothing was observed, but a ray that leaves it in observed space meets nothing.
 std::optional<double> firstUnseen(const Coverage& coverage, const glm::dvec3& originInWorld,
                                   const glm::dvec3& direction, double end, double pocket = 0);
 

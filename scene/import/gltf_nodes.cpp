@@ -34,7 +34,10 @@ json jsonOf(const std::filesystem::path& path) {
     if (!file || error || head[2] > bytes) return json(json::value_t::discarded);
     std::string text(head[2], '\0');
     file.read(text.data(), static_cast<std::streamsize>(text.size()));
-    return json::parse(text.begin(), text.begin() + file.gcount(), nullptr, false);
+    text.resize(static_cast<std::size_t>(file.gcount()));
+    while (!text.empty() && text.back() == '\0') // as some fill up chunks
+        text.pop_back();
+    return json::parse(text, nullptr, false);
 }
 
 } // namespace

@@ -115,15 +115,16 @@ int toCount(std::string_view text, const std::string& rule) {
     return value;
 }
 
+/// Such numbers are mistakes, and take time and memory without end.
 void requirePlausible(const Camera& camera, const std::string& name, const std::filesystem::path& path) {
-    // Focal lengths over the picture's side: 179 degrees across, and 2, which few lenses have; a centre no farther out
-    // than that of a small piece of a picture.
-    constexpr double kShortest = 0.008, kLongest = 30, kFarthestCentre = 10;
-    const auto isPlausible = [](double focal, double centre, int side) {
-        return focal >= kShortest * side && focal <= kLongest * side &&
-               std::abs(centre - 0.5 * side) <= kFarthestCentre * side;
+    // Over the larger side, for pictures may be cut to strips: focal lengths of 179 and of half a degree, the widest
+    // and the narrowest that there are, and a centre no farther out than that of a small piece of a picture.
+    constexpr double kShortest = 0.008, kLongest = 115, kFarthestCentre = 20;
+    const int side = std::max(camera.width, camera.height);
+    const auto isPlausible = [&](double focal, double centre) {
+        return focal >= kShortest * side && focal <= kLongest * side && std::abs(centre) <= kFarthestCentre * side;
     };
-    if (!isPlausible(camera.fx, camera.cx, camera.width) || !isPlausible(camera.fy, camera.cy, camera.height))
+    if (!isPlausible(camera.fx, camera.cx) || !isPlausible(camera.fy, camera.cy))
         throw Failure("the camera of '" + name +
                           "' is none that takes pictures: its focal length or centre is out of "
                           "proportion to " +
@@ -134,7 +135,7 @@ void requirePlausible(const Camera& camera, const std::string& name, const std::
 void requirePlausible(const Pose& worldFromIt, const std::string& name, const std::filesystem::path& path) {
     constexpr double kFarthestMetres = 1e8; // coordinates about the earth's centre are a tenth of it
     const glm::dvec3& t = worldFromIt.translation;
-    if (!(std::max({std::abs(t.x), std::abs(t.y), std::abs(t.z)}) <= kFarthestMetres))
+    if (!(std::abs(t.x) <= kFarthestMetres && std::abs(t.y) <= kFarthestMetres && std::abs(t.z) <= kFarthestMetres))
         throw Failure("'" + name + "' stands more than 100,000 km from the origin", path, "correct its pose");
 }
 
@@ -181,21 +182,13 @@ Capture openCapture(std::span<const std::filesystem::path> inputs) {
         for (const char* const face : kFaceNames) // the images that scans become
             taken.insert(scan.name + "-" + face);
     makeNamesUnique(capture.scanPhotos, taken);
-    checkPlausible(capture);
-    return capture;
-}
-
-void checkPlausible(const Capture& capture) {
     for (const PhotoSource& photo : capture.photos) {
         requirePlausible(photo.camera, photo.name, photo.colourPath);
         requirePlausible(photo.worldFromCamera, photo.name, photo.colourPath);
     }
     for (const ScanSource& scan : capture.scans)
         requirePlausible(scan.worldFromScanner, scan.name, scan.path);
-    for (const ScanPhoto& photo : capture.scanPhotos) {
-        requirePlausible(photo.camera, photo.name, photo.path);
-        requirePlausible(photo.worldFromCamera, photo.name, photo.path);
-    }
+    return capture;
 }
 
 HeldOut findHeldOut(const Capture& capture, const std::string& rule) {

@@ -9,13 +9,10 @@ namespace scene {
 
 /// Lists everything in the inputs, reading headers and manifests only. An input is a transforms.json or a folder with
 /// one, a folder in TUM layout, an .e57 or a .ptx file, or, alone, a polygon scene. Names are made unique. Throws
-/// Failure for anything else, and for what is not plausible.
+/// Failure for anything else, and for cameras and places that no capture has: a field of view of hairs or of half the
+/// sky, a centre far outside of the picture, farther off than any coordinates of the earth are. (Photographs beside
+/// scans are then left out instead.)
 Capture openCapture(std::span<const std::filesystem::path> inputs);
-
-/// Throws Failure for a camera or a place that no capture has: a field of view of hairs or of half the sky, a centre
-/// far outside of the picture, farther off than any coordinates of the earth are. Such numbers are mistakes, and take
-/// time and memory without end.
-void checkPlausible(const Capture& capture);
 
 /// Indices into the capture's photos and scanPhotos, ascending.
 struct HeldOut {

@@ -51,8 +51,11 @@ struct Unused {
 /// Some files give millimetres for metres: what comes of it is no camera that anybody has.
 bool isPlausible(const Camera& camera) {
     constexpr double kNarrowest = 0.009, kWidest = 23; // width over focal length: 0.5 and 170 degrees
+    constexpr double kFarthestCentre = 20; // of the larger side: farther than that of a small piece of a picture
     const double across = camera.width / camera.fx, down = camera.height / camera.fy;
-    return std::min(across, down) >= kNarrowest && std::max(across, down) <= kWidest;
+    return std::min(across, down) >= kNarrowest && std::max(across, down) <= kWidest &&
+           std::max(std::abs(camera.cx), std::abs(camera.cy)) <=
+               kFarthestCentre * std::max(camera.width, camera.height);
 }
 
 /// A photograph that cannot be read must not take the scans with it.
@@ -138,6 +141,10 @@ void useCameraFile(Capture& capture, const std::filesystem::path& file) {
     if (capture.scanPhotos.empty())
         throw Failure("is for photographs that stand beside scans in E57 files, and there are none that can be used",
                       "--camera " + file.string(), "leave it out");
+    if (!isPlausible(camera.camera))
+        throw Failure("is of no camera that anybody has: its focal length or centre is out of proportion to " +
+                          sizeText(camera.camera.width, camera.camera.height) + " pixels",
+                      "--camera " + file.string(), "correct its intrinsics, which are in pixels");
     for (ScanPhoto& photo : capture.scanPhotos) {
         if (photo.camera.width != camera.camera.width || photo.camera.height != camera.camera.height)
             throw Failure("is of pictures of " + sizeText(camera.camera.width, camera.camera.height) +

@@ -18,9 +18,9 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr std::size_t kGrain = 1 << 16;
-/// A face may always have so many pixels, and beyond that so many for each point of the scan: of a regular scan that is
-/// many times what a face needs, however much of it is sky.
-constexpr double kUsualPixels = 4096.0 * 4096.0, kMostPixelsPerPoint = 2;
+/// A face may always have so many pixels, and beyond that so many for each point of the scan: of a scan all round that
+/// is many times what a face needs, of a scan of one face alone as much as if three quarters of it were sky.
+constexpr double kUsualPixels = 4096.0 * 4096.0, kMostPixelsPerPoint = 8;
 
 // Azimuth of the middle of what the scanner saw, if it left out a quarter of the horizon or more; else 0.
 double frontAzimuth(const Scan& scan, const glm::dvec3& copInScanner) {
@@ -139,15 +139,20 @@ std::array<FaceLayout, kFaceCount> layOutFaces(const Scan& scan, const CubeFrame
         // About the poles the two steps turn with the azimuth; the finer one serves both axes.
         const bool isSide = face < 4;
         const int overlap = isMesh ? kMeshOverlapPixels : 0;
-        const auto layOut = [&](int maxSize) {
-            return std::pair(layOutAxis(b.minX, b.maxX, isSide ? steps.horizontal : finest, overlap, maxSize),
-                             layOutAxis(b.minY, b.maxY, isSide ? steps.vertical : finest, overlap, maxSize));
+        const auto layOut = [&](double coarser) {
+            const auto along = [&](double low, double high, double step) {
+                return layOutAxis(low, high, coarser * (isSide ? step : finest), overlap, options.maxFaceSize);
+            };
+            return std::pair(along(b.minX, b.maxX, steps.horizontal), along(b.minY, b.maxY, steps.vertical));
         };
-        auto [x, y] = layOut(options.maxFaceSize);
+        auto [x, y] = layOut(1);
+        const double pixels = static_cast<double>(x.size) * y.size;
         const double most =
             std::max(kUsualPixels, kMostPixelsPerPoint * static_cast<double>(scan.pointsInScanner.size()));
-        if (static_cast<double>(x.size) * y.size > most) std::tie(x, y) = layOut(static_cast<int>(std::sqrt(most)));
-        layouts[face] = {Camera{x.size, y.size, x.focal, y.focal, x.centre, y.centre}, x.coarser || y.coarser};
+        const bool isTooMany = pixels > most;
+        if (isTooMany) std::tie(x, y) = layOut(std::sqrt(pixels / most));
+        layouts[face] = {Camera{x.size, y.size, x.focal, y.focal, x.centre, y.centre},
+                         isTooMany || x.coarser || y.coarser};
     }
     return layouts;
 }

@@ -111,7 +111,7 @@ TEST_F(Walk, InOnePassPicturesAreTheSameAndWhatHasNoneSaysSo) {
         std::filesystem::remove_all(out);
         const Outcome drawn =
             run({kRevisit, "render", path("room.revisit"), "--out", out, "--aux", "--path", capture() + "/walk.json",
-                 "--size", "160x120", "--warp", warp, "--one-pass", onePass},
+                 "--size", "160x120", "--warp", warp, "--one-pass", onePass, "--squares-near", "false"},
                 folder());
         EXPECT_EQ(drawn.status, 0) << drawn.output;
         return drawn.output;
@@ -170,6 +170,27 @@ TEST_F(Walk, WhoIsLedSeesWhatRenderDraws) {
     EXPECT_EQ(late.status, 1);
     EXPECT_NE(late.output.find("no/walk.json: cannot be written"), std::string::npos) << late.output;
     EXPECT_FALSE(std::filesystem::exists(path("never/report.json"))) << "found out before the walk";
+}
+
+TEST_F(Walk, AStageThatIsDamagedIsNamedWithTheFolderToRemove) {
+    const std::string scene = path("hurt.revisit"), work = scene + ".build";
+    const std::vector<std::string> build{kRevisit, "build", capture(), "-o", scene, "--hold-out", "every:5:2"};
+    ASSERT_EQ(run(build, folder()).status, 0);
+    std::filesystem::path block;
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(work))
+        if (entry.path().extension() == ".block") block = entry.path();
+    ASSERT_FALSE(block.empty());
+    std::filesystem::resize_file(block, 100);
+    std::filesystem::remove_all(scene);
+    const Outcome hurt = run(build, folder());
+    EXPECT_EQ(hurt.status, 1);
+    EXPECT_NE(
+        hurt.output.find("revisit: " + work + ": holds results of an earlier run that are damaged (" + block.string()),
+        std::string::npos)
+        << hurt.output;
+    EXPECT_NE(hurt.output.find("remove this folder"), std::string::npos) << hurt.output;
+    std::filesystem::remove_all(work);
+    EXPECT_EQ(run(build, folder()).status, 0);
 }
 
 TEST_F(Walk, TheSameBytesOnOneThreadAndAfterBeingKilled) {

@@ -106,16 +106,17 @@ class HeadsetWalk : public testing::Test {
         if (!isMonadoThere()) GTEST_SKIP() << "Monado is missing";
     }
 
-    /// As the processor's warp has it, without what is done to a picture afterwards. Walks, draws the kept pictures
-    /// again; left and right by turns.
+    /// As the processor's warp of points has it, without what is done to a picture besides. Walks, draws the kept
+    /// pictures again; left and right by turns.
     std::vector<Drawn> walkAndDraw(const std::string& scene, const MonadoOptions& options) {
         const Monado monado(Variant::inproc, options);
         const std::string out = (scratch_ / "out").string(), frames = (scratch_ / "frames").string();
         {
-            app::Walker walker(monado.around({REVISIT_PROGRAM, "walk", scene, "--out", out, "--picture-every",
-                                              std::to_string(kPictureEvery), "--frames", std::to_string(kFrames),
-                                              "--hole-radius", "0", "--footprint-scale", "1", "--sample-pixels", "0"}),
-                               scratch_.path());
+            app::Walker walker(
+                monado.around({REVISIT_PROGRAM, "walk", scene, "--out", out, "--picture-every",
+                               std::to_string(kPictureEvery), "--frames", std::to_string(kFrames), "--hole-radius", "0",
+                               "--footprint-scale", "1", "--sample-pixels", "0", "--squares-near", "false"}),
+                scratch_.path());
             const MovingHead head(monado.port());
             const app::Outcome walked = walker.waitForEnd();
             EXPECT_EQ(walked.status, 0) << walked.output;
@@ -124,7 +125,8 @@ class HeadsetWalk : public testing::Test {
         EXPECT_EQ(readJson(out + "/report.json").at("frames"), kFrames);
         const app::Outcome drawn =
             app::run({REVISIT_PROGRAM, "render", scene, "--out", frames, "--cameras", out + "/cameras.json", "--eyes",
-                      "1", "--aux", "--hole-radius", "0", "--footprint-scale", "1", "--sample-pixels", "0"},
+                      "1", "--aux", "--hole-radius", "0", "--footprint-scale", "1", "--sample-pixels", "0",
+                      "--squares-near", "false"},
                      scratch_.path());
         EXPECT_EQ(drawn.status, 0) << drawn.output;
         const json cameras = readJson(out + "/cameras.json").at("cameras");
