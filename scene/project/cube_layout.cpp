@@ -139,18 +139,17 @@ std::array<FaceLayout, kFaceCount> layOutFaces(const Scan& scan, const CubeFrame
         // About the poles the two steps turn with the azimuth; the finer one serves both axes.
         const bool isSide = face < 4;
         const int overlap = isMesh ? kMeshOverlapPixels : 0;
-        const auto layOut = [&](double coarser) {
-            const auto along = [&](double low, double high, double step) {
-                return layOutAxis(low, high, coarser * (isSide ? step : finest), overlap, options.maxFaceSize);
-            };
-            return std::pair(along(b.minX, b.maxX, steps.horizontal), along(b.minY, b.maxY, steps.vertical));
+        const auto layOut = [&](double stepAcross, double stepDown) {
+            return std::pair(layOutAxis(b.minX, b.maxX, stepAcross, overlap, options.maxFaceSize),
+                             layOutAxis(b.minY, b.maxY, stepDown, overlap, options.maxFaceSize));
         };
-        auto [x, y] = layOut(1);
+        auto [x, y] = layOut(isSide ? steps.horizontal : finest, isSide ? steps.vertical : finest);
         const double pixels = static_cast<double>(x.size) * y.size;
         const double most =
             std::max(kUsualPixels, kMostPixelsPerPoint * static_cast<double>(scan.pointsInScanner.size()));
         const bool isTooMany = pixels > most;
-        if (isTooMany) std::tie(x, y) = layOut(std::sqrt(pixels / most));
+        const double coarser = std::sqrt(pixels / most);
+        if (isTooMany) std::tie(x, y) = layOut(coarser / x.focal, coarser / y.focal);
         layouts[face] = {Camera{x.size, y.size, x.focal, y.focal, x.centre, y.centre},
                          isTooMany || x.coarser || y.coarser};
     }
