@@ -148,7 +148,7 @@ std::array<FaceLayout, kFaceCount> layOutFaces(const Scan& scan, const CubeFrame
         const double most =
             std::max(kUsualPixels, kMostPixelsPerPoint * static_cast<double>(scan.pointsInScanner.size()));
         const bool isTooMany = pixels > most;
-        const double coarser = std::sqrt(pixels / most);
+        const double coarser = 1.01 * std::sqrt(pixels / most); // margins do not shrink with it
         if (isTooMany) std::tie(x, y) = layOut(coarser / x.focal, coarser / y.focal);
         layouts[face] = {Camera{x.size, y.size, x.focal, y.focal, x.centre, y.centre},
                          isTooMany || x.coarser || y.coarser};
