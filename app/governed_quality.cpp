@@ -23,6 +23,15 @@ const render::Quality& GovernedQuality::next(const render::Quality& asked, std::
     return ladder_[static_cast<std::size_t>(governor_->rungFor(frame))].quality;
 }
 
+std::vector<render::Quality> GovernedQuality::ways() const {
+    std::vector<render::Quality> ways;
+    for (const Rung& rung : ladder_)
+        if (ways.empty() || rung.quality.warp != ways.back().warp || rung.quality.isBlended != ways.back().isBlended)
+            ways.push_back(rung.quality);
+    if (ladder_.size() > ways.size()) ways.push_back(ladder_.back().quality);
+    return ways;
+}
+
 void GovernedQuality::tell(const render::FrameStats& stats, bool isProcessor) {
     if (!governor_ || stats.gpu.empty() || told_ == stats.gpuFrame) return;
     told_ = stats.gpuFrame;

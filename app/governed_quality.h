@@ -5,6 +5,7 @@
 #include "app/governor.h"
 
 #include <optional>
+#include <vector>
 
 namespace app {
 
@@ -15,6 +16,9 @@ class GovernedQuality {
     /// How to draw the renderer's frame number `frame`. Whoever asks for something else starts at the top again, and
     /// the report is of the newest that was asked for.
     const render::Quality& next(const render::Quality& asked, std::uint64_t frame);
+
+    /// One of each kind of what may be drawn from now on: warps, and less than the full resolution.
+    std::vector<render::Quality> ways() const;
 
     /// The newest figures. isProcessor: the device is this machine's own processor, so that both work in turns.
     void tell(const render::FrameStats& stats, bool isProcessor);

@@ -167,8 +167,11 @@ std::vector<Knob> makeKnobs() {
         yesOrNo(
             "squares_near",
             "points and splats: where samples are seen farther apart than max_footprint, squares between them are "
-            "drawn, too",
+            "drawn instead",
             {false}, [](auto& q) -> auto& { return q.drawsSquaresNear; }),
+        yesOrNo(
+            "lone_samples", "the mesh, adaptive or not: samples that are in none of its squares are drawn as points",
+            {false}, [](auto& q) -> auto& { return q.drawsLone; }),
         number(
             "hole_radius", "pixels", "pixels that no sample reached are filled from surfaces this far about; 0: never",
             {0, render::kMostHoleRadius}, {0, 1, 8}, [](auto& q) -> auto& { return q.holes.radius; }),
@@ -220,6 +223,7 @@ Quality drawn(const char* warp, double resolutionScale) {
     quality.preference = {};
     quality.holes.radius = 4;
     quality.drawsSquaresNear = true;
+    quality.drawsLone = true;
     return quality;
 }
 

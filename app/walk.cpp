@@ -374,6 +374,7 @@ void Walk::draw(WalkStage& stage, xr::ViewSource& source, const xr::Frame& frame
     }
     for (const std::string& sentence : damage_.news(stage.gpuScene(), scene_))
         say(sentence);
+    if (governed_ && renderer.frames() == 0) warmUp(renderer, std::span(views).first(eyes));
     stats_ = renderer.draw(std::span(views).first(eyes), drawn_, std::span(outputs).first(eyes), &overlay_);
     if (deskSide_ != nullptr) mirror(renderer, isDesk(source), frame);
 
@@ -385,6 +386,14 @@ void Walk::draw(WalkStage& stage, xr::ViewSource& source, const xr::Frame& frame
             pictures[eye].colour = render::readOutput(stage.device(), outputs[eye], source.width(), source.height());
         record_.addPicture(static_cast<int>(frame_), eye, views[eye], pictures[eye]);
     }
+}
+
+/// Before the first frame, so that no rung that the governor takes later holds one up.
+void Walk::warmUp(render::Renderer& renderer, std::span<const scene::View> eyes) {
+    std::vector<render::Quality> ways = governed_->ways();
+    for (render::Quality& way : ways)
+        way = without(way, givenUp_);
+    renderer.warmUp(eyes, ways);
 }
 
 void Walk::mirror(render::Renderer& renderer, bool isAtDesk, const xr::Frame& frame) {

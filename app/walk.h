@@ -59,6 +59,7 @@ class Walk {
     /// Until it is drawn: on a device made anew if it is lost, with less if it is full. Throws render::DeviceLost where
     /// a headset hangs on the device.
     void drawSomehow(WalkStage& stage, xr::ViewSource& source, const xr::Frame& frame);
+    void warmUp(render::Renderer& renderer, std::span<const scene::View> eyes);
     void mirror(render::Renderer& renderer, bool isAtDesk, const xr::Frame& frame);
     /// One clock for the walk, whoever counts its frames.
     void tellTime(const xr::ViewSource& source, const xr::Frame& frame);

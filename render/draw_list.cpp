@@ -66,13 +66,24 @@ std::uint32_t footprintOf(const glm::dmat4& c, const scene::SampleBox& box, cons
 }
 
 /// Whether points or splats as wide as they may be leave gaps between samples that squares would close.
-bool isTooWideFor(Warp warp, const glm::dmat4& c, const scene::SampleBox& box, const Quality& quality) {
+bool isTooWideFor(Warp warp, const glm::dmat4& c, const scene::SampleBox& box, double steepness,
+                  const Quality& quality) {
+    const double step = scene::slopeStepInEye(c, box, steepness);
     if (warp == Warp::points)
         return scene::footprintOf(c, box, quality.footprintScale, quality.maxFootprint + 1) > quality.maxFootprint ||
-               scene::slopeStepInEye(c, box) > quality.maxFootprint;
-    if (warp == Warp::splats && scene::slopeStepInEye(c, box) > 2 * quality.maxSplat) return true;
+               step > quality.maxFootprint;
+    if (warp == Warp::splats && step > 2 * quality.maxSplat) return true;
     return warp == Warp::splats && scene::splatRadiusOf(c, box, quality.splatScale, quality.maxSplat + 1) >
                                        static_cast<float>(quality.maxSplat);
+}
+
+/// What draws samples of a tile besides its surfaces: all of a stand-in's, else those that no surface reaches.
+std::optional<Warp> warpBesides(const DrawList::Chosen& chosen, const ResidentTile& tile, const Quality& quality) {
+    if (chosen.warp == Warp::points || chosen.warp == Warp::splats) return std::nullopt;
+    if (chosen.isStandIn) return Warp::points;
+    if (tile.loneCount == 0) return std::nullopt;
+    if (quality.warp == Warp::points || quality.warp == Warp::splats) return quality.warp;
+    return quality.drawsLone ? std::optional(Warp::points) : std::nullopt;
 }
 
 /// Pixels.
@@ -249,7 +260,8 @@ void chooseDraws(const SceneIndex& scene, std::span<const ChunkPlace> places, st
             if (isStandIn) return warpOf(tile, Warp::adaptive);
             const Warp warp = warpOf(tile, quality.warp);
             if (quality.drawsSquaresNear && tile.quadCount > 0 &&
-                isTooWideFor(quality.warp, source.eyeImageFromSource, boxOf(scene.bounds, number), quality))
+                isTooWideFor(quality.warp, source.eyeImageFromSource, boxOf(scene.bounds, number), tile.steepness,
+                             quality))
                 return Warp::mesh;
             const bool isWideScrap =
                 quality.warp == Warp::adaptive && warp == Warp::points &&
@@ -298,11 +310,12 @@ void chooseDraws(const SceneIndex& scene, std::span<const ChunkPlace> places, st
             std::optional<DrawList::Chosen> chosen = choose(visible.slots[piece.first + i]);
             if (!chosen) continue;
             add(*chosen);
-            const Warp ofSamples = chosen->isStandIn ? Warp::points : quality.warp;
-            const bool isSurfaceAlone = !chosen->isStandIn && (ofSamples == Warp::mesh || ofSamples == Warp::adaptive);
-            if (isSurfaceAlone || chosen->warp == ofSamples) continue;
-            chosen->warp = ofSamples;
-            chosen->items = itemsOf(scene.tiles[chosen->tile], ofSamples);
+            const std::optional<Warp> ofSamples = warpBesides(*chosen, scene.tiles[chosen->tile], quality);
+            if (!ofSamples) continue;
+            chosen->isOfLone = !chosen->isStandIn;
+            chosen->warp = *ofSamples;
+            const ResidentTile& tile = scene.tiles[chosen->tile];
+            chosen->items = chosen->isOfLone ? tile.loneCount : tile.pointCount;
             findReach(sources[piece.image], boxOf(scene.bounds, chosen->tile), quality, *chosen);
             add(*chosen);
         }
@@ -328,12 +341,13 @@ void writeDraws(const SceneIndex& scene, std::span<const ChunkPlace> places, std
             TileDraw draw = tileDrawOf(source.eyeImageFromSource, tile, static_cast<int>(chosen.orderLevel));
             draw.span.x += place.firstTexel;
             draw.span.z = chosen.items;
+            const std::uint32_t firstSample = place.firstTexel + (chosen.isOfLone ? tile.firstLone : tile.firstVertex);
             std::uint32_t footprint = 1;
             if (chosen.warp == Warp::points) {
-                draw.span.y = place.firstTexel + tile.firstVertex;
+                draw.span.y = firstSample;
                 footprint = chosen.width;
             } else if (chosen.warp == Warp::splats) {
-                draw.span.y = place.firstTexel + tile.firstVertex;
+                draw.span.y = firstSample;
                 draw.span.x = chosen.width;
             } else if (chosen.warp == Warp::mesh) {
                 draw.span.y = place.firstTexel + tile.firstQuad;

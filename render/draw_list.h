@@ -39,6 +39,7 @@ struct DrawList {
     struct Chosen {
         std::uint32_t tile = 0, page = 0, items = 0, orderLevel = 0;
         bool isStandIn = false;
+        bool isOfLone = false; ///< only samples that are in no square are drawn
         Warp warp = Warp::points;
         Reach reach = Reach::any;
         std::uint32_t width = 0; ///< of a sample in the eye: points' footprint, or the bits of splats' radius
@@ -53,8 +54,8 @@ struct DrawList {
 };
 
 /// Stand-ins are drawn as surfaces, which stay whole however near one comes, and as points, which close what is left
-/// between surfaces: at coarse silhouettes that is wide. So are points and splats that are too wide for themselves
-/// (Quality::drawsSquaresNear), where some samples may be in no square.
+/// between surfaces: at coarse silhouettes that is wide. Other tiles with surfaces are drawn so and as those of their
+/// samples that are in none (Quality::drawsSquaresNear, drawsLone).
 inline constexpr std::size_t kDrawsPerTile = 2;
 
 /// Coarse samples that stand in for finer ones are drawn as squares of so many pixels at most.

@@ -32,9 +32,13 @@ struct Quality {
     double splatScale = 1.0;
 
     /// Points and splats: where a tile's samples are seen farther apart than maxFootprint, or 2 maxSplat, or may be
-    /// since its surface slopes, the mesh's squares are drawn, too. Else gaps open in walls right before the eye and in
-    /// what was scanned at a glance, and unseen space is shown through them.
+    /// since its surface slopes, the mesh's squares are drawn, and of the samples only those that are in none. Else
+    /// gaps open in walls right before the eye and in what was scanned at a glance, and unseen space is shown through
+    /// them.
     bool drawsSquaresNear = false;
+
+    /// The mesh, adaptive or not: samples that are in none of its squares are drawn as points.
+    bool drawsLone = false;
 
     /// Which of several samples of one surface is shown; directional tiles are drawn only with it. As it stands here:
     /// the nearest in plain z order.

@@ -28,12 +28,14 @@ bool closesGaps(const Quality& quality) {
 }
 
 /// Scraps of the adaptive mesh are points, and what bends is squares; and so is what stands in for missing chunks, or
-/// is right before the eye.
+/// is right before the eye. What is in no square is points.
 std::vector<Warp> warpsFor(const Quality& quality, const GpuScene& scene) {
     std::vector<Warp> warps{quality.warp};
     if (quality.warp == Warp::adaptive || scene.isStreamed())
         warps.insert(warps.end(), {Warp::points, Warp::mesh, Warp::adaptive});
-    else if (quality.drawsSquaresNear)
+    else if (quality.warp == Warp::mesh && quality.drawsLone)
+        warps.push_back(Warp::points);
+    else if (quality.warp != Warp::mesh && quality.drawsSquaresNear)
         warps.push_back(Warp::mesh);
     return warps;
 }
@@ -152,6 +154,19 @@ FrameStats Renderer::draw(std::span<const scene::View> views, const Quality& qua
     ++frames_;
     last_ = stats;
     return stats;
+}
+
+void Renderer::warmUp(std::span<const scene::View> views, std::span<const Quality> ways) {
+    const bool keeps = std::exchange(keepsNext_, false);
+    for (const Quality& way : ways) {
+        draw(views, way);
+        for (const Warp warp : warpsFor(way, scene_))
+            prepareForWide(device_, warp, scene_.pageLayout(), eyeLayout_, warps_[static_cast<std::size_t>(warp)]);
+    }
+    streams_.waitForAll();
+    frames_ = 0;
+    lastWarped_ = {};
+    keepsNext_ = keeps;
 }
 
 void Renderer::makeWarps(const std::vector<Warp>& wanted) {

@@ -66,6 +66,10 @@ class Renderer {
     FrameStats draw(std::span<const scene::View> eyes, const Quality& quality, std::span<const EyeOutput> outputs = {},
                     const Overlay* overlay = nullptr);
 
+    /// Draws a first frame in each of these ways and forgets it: frames are then counted from 0 again. What the device
+    /// compiles, reads or makes room for when it first draws so does not hold up a frame in the middle of a walk.
+    void warmUp(std::span<const scene::View> eyes, std::span<const Quality> ways);
+
     /// Waits for the last frame and tells about it, its own times on the device included.
     FrameStats finish();
 

@@ -33,6 +33,7 @@ ResidentTile residentOf(const scene::Tile& tile, const scene::TileChunk& chunk) 
                         texels = quads + chunk.quadCount;
     ResidentTile resident;
     resident.firstVertex = vertices + tile.firstVertex - chunk.firstVertex, resident.pointCount = tile.pointCount;
+    resident.firstLone = vertices + scene::firstLoneOf(tile) - chunk.firstVertex, resident.loneCount = tile.loneCount;
     resident.firstQuad = quads + tile.firstQuad - chunk.firstQuad, resident.quadCount = tile.quadCount;
     resident.facetCount = tile.facetCount;
     resident.width = tile.width, resident.height = tile.height;
@@ -43,6 +44,7 @@ ResidentTile residentOf(const scene::Tile& tile, const scene::TileChunk& chunk) 
     resident.x0 = tile.x0, resident.y0 = tile.y0;
     resident.minDisparity = tile.minDisparity, resident.maxDisparity = tile.maxDisparity;
     resident.placeBits = tile.placeBits;
+    resident.steepness = tile.steepness / 255.0;
     return resident;
 }
 

@@ -28,11 +28,13 @@ struct ChunkPlace {
 struct ResidentTile {
     std::uint32_t image = 0, chunk = 0; ///< image: of its level
     std::uint32_t firstVertex = 0, pointCount = 0, firstQuad = 0, quadCount = 0;
+    std::uint32_t firstLone = 0, loneCount = 0;                   ///< vertices of samples that are in no square
     std::uint32_t firstFacet = 0, facetCount = 0, firstTexel = 0; ///< firstFacet counts facets
     std::uint32_t width = 0, height = 0;                          ///< in samples; a row of texels has one more
     std::int32_t x0 = 0, y0 = 0;                                  ///< first sample in the image
     float minDisparity = 0, maxDisparity = 0;
     std::uint32_t placeBits = scene::kPlaceBits;
+    double steepness = 0; ///< what neighbours differ by in disparity, in most squares, over what its extremes do
     scene::TileMiddle middle;
 };
 

@@ -34,12 +34,17 @@ double sampleWidthInEye(const glm::dmat4& c, const SampleBox& box) {
     return widest;
 }
 
-double slopeStepInEye(const glm::dmat4& c, const SampleBox& box) {
-    const glm::dvec3 middle = 0.5 * (box.least + box.most), extent = box.most - box.least;
-    const glm::dvec3 h = glm::dvec3(c * glm::dvec4(middle.x, middle.y, 1, middle.z));
-    if (h.z <= 0) return std::numeric_limits<double>::infinity();
-    const glm::dvec2 at = glm::dvec2(h) / h.z, perDisparity = (glm::dvec2(c[3]) - at * c[3].z) / h.z;
-    return glm::length(perDisparity) * extent.z / std::max({extent.x, extent.y, 1.0});
+double slopeStepInEye(const glm::dmat4& c, const SampleBox& box, double share) {
+    double farthest = 0; // for each unit of disparity
+    for (const double d : {box.least.z, box.most.z})
+        for (const double y : {box.least.y, box.most.y})
+            for (const double x : {box.least.x, box.most.x}) {
+                const glm::dvec3 h = glm::dvec3(c * glm::dvec4(x, y, 1, d));
+                if (h.z <= 0) return std::numeric_limits<double>::infinity();
+                const glm::dvec2 at = glm::dvec2(h) / h.z;
+                farthest = std::max(farthest, glm::length(glm::dvec2(c[3]) - at * c[3].z) / h.z);
+            }
+    return farthest * share * (box.most.z - box.least.z);
 }
 
 double boxAreaInEye(const glm::dmat4& c, const SampleBox& box) {

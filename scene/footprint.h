@@ -22,9 +22,9 @@ SampleBox boxOf(const Tile& tile, const Camera& camera);
 /// reaches behind the eye.
 double sampleWidthInEye(const glm::dmat4& eyeImageFromSourceImage, const SampleBox& box);
 
-/// Pixels by which neighbouring samples stand farther apart than that where the surface slopes: if disparity goes
-/// evenly from one end of the box to the other, in the middle of it. Infinite behind the eye.
-double slopeStepInEye(const glm::dmat4& eyeImageFromSourceImage, const SampleBox& box);
+/// Pixels by which neighbouring samples stand farther apart than that where the surface slopes, if their disparities
+/// differ by a share of the box' extent, at the worst corner of the box. Infinite if it reaches behind the eye.
+double slopeStepInEye(const glm::dmat4& eyeImageFromSourceImage, const SampleBox& box, double share);
 
 /// Square pixels of the rectangle about all that the samples of a box, and what lies between them, cover in the eye's
 /// plane, beyond the edges of its image, too. Infinite if the box reaches behind the eye.

@@ -52,25 +52,17 @@ bool mayBeSeen(const Tile& tile, const Planes& planes) {
 
 /// Tiles of one image that may be in the ray's way. lone: as points, the samples that no triangle holds.
 struct Candidates {
-    std::vector<Tile> seen, guesses;
-    TileSet lone;
+    std::vector<Tile> seen, guesses, lone;
 };
 
-void collectLone(const TileBlock& block, const Tile& tile, TileSet& lone) {
-    std::vector<std::uint8_t> isHeld(tile.vertexCount, 0);
-    const auto hold = [&](std::uint32_t index) { isHeld[index & kQuadIndexMask] = 1; };
-    for (const TileQuad& quad : block.quads.subspan(tile.firstQuad, tile.quadCount)) {
-        const std::uint32_t i00 = quad.top, i10 = quad.top >> 16, i01 = quad.bottom, i11 = quad.bottom >> 16;
-        if (quad.top & kDrawUpper) hold(i00), hold(i10), hold(i01);
-        if (quad.bottom & kDrawLower) hold(i10), hold(i11), hold(i01);
-    }
+/// Of a tile, as one that has no other samples; none if there are none.
+std::optional<Tile> loneOf(const Tile& tile) {
+    if (tile.loneCount == 0) return std::nullopt;
     Tile points = tile;
-    points.firstVertex = static_cast<std::uint32_t>(lone.vertices.size());
+    points.firstVertex = firstLoneOf(tile);
+    points.pointCount = points.vertexCount = tile.loneCount;
     points.firstQuad = points.quadCount = 0;
-    for (std::uint32_t i = 0; i < tile.pointCount; ++i)
-        if (!isHeld[i]) lone.vertices.push_back(block.vertices[tile.firstVertex + i]);
-    points.pointCount = points.vertexCount = static_cast<std::uint32_t>(lone.vertices.size()) - points.firstVertex;
-    if (points.pointCount > 0) lone.tiles.push_back(points);
+    return points;
 }
 
 Candidates collect(const TileBlock& block, const View& eye, const PreferenceOptions& shownGuesses) {
@@ -82,7 +74,7 @@ Candidates collect(const TileBlock& block, const View& eye, const PreferenceOpti
         if (tile.tier == Tier::directional || !mayBeSeen(tile, planes) || !sound.isSound(i)) continue;
         if (tile.tier == Tier::base) {
             found.seen.push_back(tile);
-            collectLone(block, tile, found.lone);
+            if (const std::optional<Tile> lone = loneOf(tile)) found.lone.push_back(*lone);
         } else if (orderLevelOf(tile, block.camera, block.worldFromCamera, eye, shownGuesses)) {
             found.guesses.push_back(tile);
             found.guesses.back().tier = Tier::base; // drawn in plain z order as everything here
@@ -201,14 +193,13 @@ std::optional<Pick> pick(std::span<const TileBlock> blocks, const Ray& ray, cons
     std::vector<TileBlock> seen, guesses, lone;
     for (std::size_t i = 0; i < blocks.size(); ++i) {
         const TileBlock& block = blocks[i];
-        const auto lend = [&](std::vector<TileBlock>& into, std::span<const Tile> tiles,
-                              std::span<const TileVertex> vertices) {
+        const auto lend = [&](std::vector<TileBlock>& into, std::span<const Tile> tiles) {
             if (!tiles.empty())
                 into.push_back({block.camera,
                                 block.worldFromCamera,
                                 tiles,
                                 {},
-                                vertices,
+                                block.vertices,
                                 block.quads,
                                 {},
                                 {},
@@ -216,9 +207,9 @@ std::optional<Pick> pick(std::span<const TileBlock> blocks, const Ray& ray, cons
                                 nullptr,
                                 false});
         };
-        lend(seen, candidates[i].seen, block.vertices);
-        lend(guesses, candidates[i].guesses, block.vertices);
-        lend(lone, candidates[i].lone.tiles, candidates[i].lone.vertices);
+        lend(seen, candidates[i].seen);
+        lend(guesses, candidates[i].guesses);
+        lend(lone, candidates[i].lone);
     }
 
     const WarpOptions plain{.preference = {.nearBaseline = 0}, .maxFootprint = kLoneFootprint};

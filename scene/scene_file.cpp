@@ -27,7 +27,7 @@ using nlohmann::json;
 static_assert(std::endian::native == std::endian::little, "tiles.bin is little-endian and mapped as it is");
 
 constexpr std::array<char, 8> kMagic{'R', 'V', 'T', 'I', 'L', 'E', 'S', 0};
-constexpr std::uint32_t kVersion = 4, kByteOrderMark = 0x01020304;
+constexpr std::uint32_t kVersion = 5, kByteOrderMark = 0x01020304;
 constexpr std::uint64_t kAlignment = 64;
 constexpr const char* kRemedy = "the scene is damaged: build it again";
 
@@ -121,7 +121,7 @@ void checkTile(const TileBlock& block, const Tile& tile, const Camera& camera, c
                 tile.x0 <= camera.width - tile.width && tile.y0 <= camera.height - tile.height,
             "a place outside its image");
     require(static_cast<int>(tile.tier) < kTiers, "an unknown tier");
-    require(tile.pointCount <= tile.vertexCount &&
+    require(std::uint64_t{tile.pointCount} + tile.loneCount <= tile.vertexCount && tile.loneCount <= tile.pointCount &&
                 std::uint64_t{tile.firstVertex} + tile.vertexCount <= block.vertices.size() &&
                 std::uint64_t{tile.firstQuad} + tile.quadCount <= block.quads.size() &&
                 std::uint64_t{tile.firstFacet} + tile.facetCount <= block.facets.size() &&

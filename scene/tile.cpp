@@ -31,9 +31,20 @@ struct Place {
     int x = 0, y = 0;
 };
 
-/// Collects one tile: kept samples first, then the border its triangles need. part.eachSample(visit),
-/// part.eachSquare(visit): call visit(x, y) for what may belong to the tile, counted from the cut's first. But for
-/// scraps row by row: renderers pass over rows.
+/// A few steep squares, at rims or of noise, do not make a tile steep.
+constexpr std::ptrdiff_t kSteepSquares = 7, kOfSquares = 8;
+constexpr double kMostSteep = std::numeric_limits<decltype(Tile::steepness)>::max();
+
+struct Taken {
+    int x = 0, y = 0;
+    bool isLone = true; ///< no corner of a square, of those that were appended
+};
+
+static_assert(kMaxScrapSize * kMaxScrapSize <= std::numeric_limits<decltype(Tile::loneCount)>::max());
+
+/// Collects one tile: kept samples first, then the border its triangles need, then lone samples once more.
+/// part.eachSample(visit), part.eachSquare(visit): call visit(x, y) for what may belong to the tile, counted from the
+/// cut's first. But for scraps row by row: renderers pass over rows.
 template <class Part>
 class TileCutter {
   public:
@@ -56,6 +67,7 @@ class TileCutter {
         tile.pointCount = static_cast<std::uint32_t>(taken_.size());
 
         part_.eachSquare([&](int x, int y) { appendQuad(x, y, set); });
+        repeatLone(tile);
         tile.vertexCount = static_cast<std::uint32_t>(taken_.size());
         tile.quadCount = static_cast<std::uint32_t>(set.quads.size()) - tile.firstQuad;
         if (taken_.empty()) return;
@@ -98,13 +110,33 @@ class TileCutter {
         if (!upper && !lower) return;
         const std::uint32_t i10 = take(x + 1, y), i01 = take(x, y + 1);
         const std::uint32_t i00 = upper ? take(x, y) : 0, i11 = lower ? take(x + 1, y + 1) : 0;
+        taken_[i10].isLone = taken_[i01].isLone = false;
+        if (upper) taken_[i00].isLone = false;
+        if (lower) taken_[i11].isLone = false;
+        float steepest = 0;
+        const auto differ = [&](int ax, int ay, int bx, int by) {
+            const float a = image_.disparity(x0_ + ax, y0_ + ay), b = image_.disparity(x0_ + bx, y0_ + by);
+            steepest = std::max(steepest, std::abs(a - b));
+        };
+        if (upper) differ(x, y, x + 1, y), differ(x, y, x, y + 1);
+        if (lower) differ(x + 1, y + 1, x + 1, y), differ(x + 1, y + 1, x, y + 1);
+        steps_.push_back(steepest);
         set.quads.push_back({i00 | i10 << 16 | (upper ? kDrawUpper : 0), i01 | i11 << 16 | (lower ? kDrawLower : 0)});
     }
 
-    void quantise(Tile& tile, TileSet& set) const {
+    void repeatLone(Tile& tile) {
+        for (std::uint32_t i = 0; i < tile.pointCount; ++i) {
+            const Taken taken = taken_[i];
+            if (!taken.isLone) continue;
+            taken_.push_back(taken);
+            ++tile.loneCount;
+        }
+    }
+
+    void quantise(Tile& tile, TileSet& set) {
         tile.minDisparity = std::numeric_limits<float>::max();
         tile.maxDisparity = 0;
-        for (const Place& place : taken_) {
+        for (const Taken& place : taken_) {
             const float disparity = image_.disparity(x0_ + place.x, y0_ + place.y);
             assert(std::isfinite(disparity) && disparity >= 0);
             tile.minDisparity = std::min(tile.minDisparity, disparity);
@@ -113,7 +145,12 @@ class TileCutter {
         const double range = static_cast<double>(tile.maxDisparity) - tile.minDisparity;
         const std::uint32_t maxQuantised = maxQuantisedOf(placeBits_);
         const double scale = range > 0 ? maxQuantised / range : 0.0;
-        for (const Place& place : taken_) {
+        if (range > 0 && !steps_.empty()) {
+            const auto most = steps_.begin() + (std::ssize(steps_) - 1) * kSteepSquares / kOfSquares;
+            std::nth_element(steps_.begin(), most, steps_.end());
+            tile.steepness = static_cast<std::uint8_t>(std::min(std::ceil(kMostSteep * (*most / range)), kMostSteep));
+        }
+        for (const Taken& place : taken_) {
             const int x = x0_ + place.x, y = y0_ + place.y;
             const double above = static_cast<double>(image_.disparity(x, y)) - tile.minDisparity;
             const auto q = std::min(static_cast<std::uint32_t>(std::lround(above * scale)), maxQuantised);
@@ -131,7 +168,8 @@ class TileCutter {
     std::uint32_t placeBits_;
     const Part& part_;
     std::vector<std::uint32_t> vertexAt_;
-    std::vector<Place> taken_;
+    std::vector<Taken> taken_;
+    std::vector<float> steps_; ///< of each square, the greatest difference in disparity along its triangles' sides
 };
 
 /// All that stands in a tile's place.

@@ -72,7 +72,8 @@ struct TileTexel {
 static_assert(sizeof(TileTexel) == 8);
 
 /// firstVertex, firstQuad, firstFacet and firstTexel count within the image's block. The first pointCount vertices are
-/// kept samples; the rest is border, which only the mesh uses. The extremes are over all vertices.
+/// kept samples; then comes border, which only the mesh uses; the last loneCount are, once more, those kept samples
+/// that no square of the tile has for a corner. The extremes are over all vertices.
 ///
 /// A tile of level L stands in the image halved L times (scene/pyramid.h): x0, y0 and its vertices count that image's
 /// samples.
@@ -87,7 +88,9 @@ struct Tile {
     std::uint32_t firstFacet = 0, facetCount = 0; ///< none where facets would not pay: then the squares are drawn
     std::uint32_t firstTexel = 0;                 ///< of width + 1 a row, height + 1 rows, if there are facets
     std::uint8_t level = 0;
-    std::uint8_t reserved[3] = {0, 0, 0};
+    /// What neighbours differ by in seven of eight squares, at most: 255ths of the range of the tile's disparities.
+    std::uint8_t steepness = 0;
+    std::uint16_t loneCount = 0;
     friend bool operator==(const Tile&, const Tile&) = default;
 };
 static_assert(sizeof(Tile) == 56);
@@ -95,6 +98,10 @@ static_assert(sizeof(Tile) == 56);
 /// Texels of a tile with facets.
 inline std::uint32_t texelCountOf(const Tile& tile) {
     return tile.facetCount > 0 ? (tile.width + 1u) * (tile.height + 1u) : 0;
+}
+
+inline std::uint32_t firstLoneOf(const Tile& tile) {
+    return tile.firstVertex + tile.vertexCount - tile.loneCount;
 }
 
 inline std::uint32_t maxQuantisedOf(std::uint32_t placeBits) {

@@ -1,5 +1,6 @@
 // The governor under simulated loads.
 
+#include "app/governed_quality.h"
 #include "app/governor.h"
 #include "app/quality_file.h"
 
@@ -248,6 +249,31 @@ TEST(Ladder, IsReportedWithEveryChange) {
     for (const auto& rung : report.at("rungs"))
         frames += rung.at("frames").get<std::uint64_t>();
     EXPECT_EQ(frames, 50u);
+}
+
+TEST(Ladder, WarmsUpEachWarpAndFewerPixelsOnce) {
+    GovernedQuality governed(90);
+    EXPECT_TRUE(governed.ways().empty()) << "nothing is asked for yet";
+    governed.next(readQuality("best"), 0);
+    const std::vector<render::Quality> ways = governed.ways();
+    ASSERT_EQ(ways.size(), 4u);
+    EXPECT_TRUE(ways[0].isBlended);
+    EXPECT_EQ(ways[1].warp, render::Warp::mesh);
+    EXPECT_EQ(ways[2].warp, render::Warp::points);
+    EXPECT_EQ(ways[3].warp, render::Warp::points);
+    EXPECT_LT(ways[3].resolutionScale, ways[2].resolutionScale);
+    governed.next(readQuality("balanced"), 1);
+    EXPECT_EQ(governed.ways().size(), 2u);
+}
+
+TEST(Ladder, WhatIsBlendedGivesThatUpBeforeAnyPixels) {
+    const std::vector<Rung> ladder = ladderOf(readQuality("best"));
+    ASSERT_TRUE(ladder[0].quality.isBlended);
+    EXPECT_EQ(ladder[1].name, "confidence");
+    EXPECT_EQ(ladder[1].quality.resolutionScale, ladder[0].quality.resolutionScale);
+    EXPECT_FALSE(ladder[1].quality.isBlended);
+    for (const Rung& rung : ladder)
+        EXPECT_NE(rung.quality.warp, render::Warp::adaptive) << "no faster: " << rung.name;
 }
 
 TEST(Ladder, EveryWarpThatHasANameLeadsDownToPoints) {

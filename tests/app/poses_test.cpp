@@ -137,7 +137,7 @@ TEST_F(Poses, ThoseThatAreRightOrGivenForGoodStayAsTheyAre) {
             EXPECT_GT(scene::cosineBetween(stand[i].rotation, said[i].rotation), 1 - 1e-12);
         }
     };
-    ASSERT_EQ(build("true", "right.revisit").status, 0);
+    ASSERT_EQ(layPoses("true", "right.revisit").status, 0);
     expectAsSaid("right.revisit", "true");
     const Outcome told = run({kRevisit, "info", path("right.revisit")}, folder());
     EXPECT_THAT(told.output, ContainsRegex("poses      as given.*: surfaces lie on each other to 0\\.0[0-9]*[1-9]"));
@@ -186,13 +186,13 @@ TEST_F(Poses, APhotographOfAnotherPlaceIsNamedAndLeftWhereItWas) {
 }
 
 TEST_F(Poses, TooManyForTheMemoryStayWhereTheyAre) {
-    const Outcome built = build("off", "small.revisit", {"--memory", "5M"});
+    const Outcome built = layPoses("off", "small.revisit", {"--memory", "5M"});
     ASSERT_EQ(built.status, 0) << built.output;
     EXPECT_THAT(built.output, HasSubstr("36 are too many to be laid on each other within --memory"));
 }
 
 TEST_F(Poses, ThatPicturesAreCoarserForLackOfMemoryIsSaid) {
-    const Outcome built = build("off", "coarse.revisit", {"--memory", "16M"});
+    const Outcome built = layPoses("off", "coarse.revisit", {"--memory", "16M"});
     ASSERT_EQ(built.status, 0) << built.output;
     EXPECT_THAT(built.output, HasSubstr("by pictures 160 pixels across instead of 320"));
     const json poses = readJson(path("coarse.revisit") + "/scene.json").at("poses");

@@ -1,3 +1,4 @@
+#include "tests/render/lone_samples.h"
 #include "tests/render/reference.h"
 #include "tests/render/test_device.h"
 #include "tests/render/test_scenes.h"
@@ -87,6 +88,18 @@ TEST_F(MeshTest, SkinsAreCutOut) {
     for (int x = 0; x < 56; ++x)
         gaps += drawn.pixelClass(x, 32) == 0;
     EXPECT_GE(gaps, 3);
+}
+
+TEST_F(MeshTest, WhatIsInNoSquareIsPointsWhereAskedFor) {
+    const LoneSamples lone{40, 60};
+    const CutScene plane = cut({withLone(takePlane(cameraOf(100, 100, 1.5), {0, 0, 1}, 2), lone)});
+    const GpuScene scene(testDevice(), plane.blocks());
+    const scene::View view{cameraOf(150, 150, 1.5), {glm::dmat3(1.0), {0, 0, 0.2}}};
+    const EyeImage samples = drawOnce(scene, view, {});
+    for (const Warp warp : {Warp::mesh, Warp::adaptive}) {
+        const EyeImage mesh = drawOnce(scene, view, {.warp = warp});
+        expectMeshAndLone(drawOnce(scene, view, {.warp = warp, .drawsLone = true}), mesh, samples, lone);
+    }
 }
 
 TEST_F(MeshTest, AWallOneCentimetreBeforeTheEyeFillsTheScreen) {

@@ -1,9 +1,11 @@
+#include "tests/render/lone_samples.h"
 #include "tests/render/reference.h"
 #include "tests/render/test_device.h"
 #include "tests/render/test_scenes.h"
 
 #include <tbb/global_control.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <random>
@@ -118,6 +120,49 @@ TEST_F(PointsTest, SquaresCloseWhatIsTooNearForPoints) {
         without.drawsSquaresNear = false;
         const EyeImage a = drawOnce(scene, afar, quality), b = drawOnce(scene, afar, without);
         EXPECT_TRUE(a.colour == b.colour && a.depthMetres == b.depthMetres);
+    }
+}
+
+/// Of a tile that holds three columns a difference in disparity over all its width says little.
+TEST_F(PointsTest, SquaresCloseTheFewColumnsThatAreKeptOfAGlance) {
+    const glm::dvec3 normal = glm::normalize(glm::dvec3(0.98, 0, 0.2));
+    scene::DepthImage image = takePlane(cameraOf(200, 200, 1.5), normal, 1);
+    for (int y = 0; y < 200; ++y)
+        for (int x = 0; x < 200; ++x)
+            if (x < 100 || x > 102) image.flags(x, y) |= scene::kRedundant;
+    const CutScene plane = cut({image});
+    const GpuScene scene(testDevice(), plane.blocks());
+    // Three metres squarely before the middle of what was seen there.
+    const glm::dvec3 middle = glm::dvec3(0, 0, 1 / normal.z);
+    const scene::View square{cameraOf(300, 300, 1.5), poseAt(middle - 3.0 * normal, std::atan2(normal.x, normal.z), 0)};
+    for (const Warp warp : {Warp::points, Warp::splats}) {
+        Quality quality{.warp = warp, .maxFootprint = 4, .maxSplat = 2};
+        const auto gapsInTheMiddleRow = [&] {
+            const EyeImage drawn = drawOnce(scene, square, quality);
+            const auto row = drawn.pixelClass.row(150);
+            const auto isDrawn = [](std::uint8_t pixelClass) { return pixelClass != 0; };
+            const auto first = std::find_if(row.begin(), row.end(), isDrawn);
+            const auto last = std::find_if(row.rbegin(), row.rend(), isDrawn).base();
+            EXPECT_GT(last - first, 20) << "columns stand a dozen pixels apart";
+            return std::count(first, last, 0);
+        };
+        EXPECT_GT(gapsInTheMiddleRow(), 10);
+        quality.drawsSquaresNear = true;
+        EXPECT_EQ(gapsInTheMiddleRow(), 0);
+    }
+}
+
+TEST_F(PointsTest, WhatIsInNoSquareIsStillThereWhereSquaresAreDrawn) {
+    const LoneSamples lone{40, 60};
+    const CutScene plane = cut({withLone(takePlane(cameraOf(100, 100, 1.5), {0, 0, 1}, 2), lone)});
+    const GpuScene scene(testDevice(), plane.blocks());
+    const scene::View nearer{cameraOf(300, 300, 1.5), {glm::dmat3(1.0), {0, 0, 1.3}}};
+    const EyeImage mesh = drawOnce(scene, nearer, {.warp = Warp::mesh});
+    for (const Warp warp : {Warp::points, Warp::splats}) {
+        Quality quality{.warp = warp, .maxFootprint = 4, .maxSplat = 2};
+        const EyeImage samples = drawOnce(scene, nearer, quality);
+        quality.drawsSquaresNear = true;
+        expectMeshAndLone(drawOnce(scene, nearer, quality), mesh, samples, lone);
     }
 }
 

@@ -92,6 +92,24 @@ TEST_F(Standing, FramesLookAsIfTheyHadBeenWarpedAnew) {
     }
 }
 
+TEST_F(Standing, WarmingUpLeavesNothingBehind) {
+    const std::array eyes{eyeAt(0, 0.3), eyeAt(0.06, 0.3)};
+    std::vector<Quality> qualities;
+    for (const Way& way : ways())
+        qualities.push_back(way.quality);
+    for (const Quality& first : {qualities.front(), qualities.back()}) {
+        Renderer renderer(testDevice(), scene_, kWidth, kHeight, 2, &coverage_, &polygons_);
+        renderer.letFramesStand(true);
+        renderer.warmUp(eyes, qualities);
+        EXPECT_EQ(renderer.frames(), 0u);
+        const FrameStats stats = renderer.draw(eyes, first);
+        EXPECT_EQ(stats.frame, 0u);
+        EXPECT_TRUE(stats.gpu.empty()) << "times of frames that nobody asked for";
+        EXPECT_FALSE(stats.isStanding);
+        expectSame(renderer.readBack(), warped(eyes, first, &coverage_), "warmed up");
+    }
+}
+
 TEST_F(Standing, WhatChangesIsWarpedAnew) {
     const std::array eyes{eyeAt(0, 0.3), eyeAt(0.06, 0.3)}, moved{eyeAt(0, 0.3), eyeAt(0.0601, 0.3)};
     Renderer renderer(testDevice(), scene_, kWidth, kHeight, 2, &coverage_, &polygons_);

@@ -289,6 +289,7 @@ TEST_F(SceneFile, ImpossibleTilesWithRightChecksumsAreRefused) {
     refused("beyond its block", at(&Tile::firstVertex, kMost32));
     refused("beyond its block", at(&Tile::vertexCount, kMost32));
     refused("beyond its block", at(&Tile::pointCount, kMost32));
+    refused("beyond its block", at(&Tile::loneCount, std::uint16_t{65535}));
     refused("beyond its block", at(&Tile::firstQuad, kMost32));
     refused("beyond its block", at(&Tile::quadCount, kMost32));
     refused("number of chunks", [](Tile& tile) { tile.vertexCount = tile.pointCount = 0; });

@@ -7,8 +7,10 @@
 #include <cmath>
 #include <limits>
 #include <set>
+#include <span>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -151,7 +153,31 @@ void expectGuessesByThemselves(const DepthImage& image, const TileSet& set) {
     }
 }
 
-/// Border: surfaces that a drawn triangle of this tile needs, none of them twice.
+/// By the sides of the triangles that a renderer draws, their diagonals left out; unrounded.
+double steepnessOf(const DepthImage& image, const Tile& tile, const TileSet& set) {
+    const auto disparityAt = [&](std::uint32_t index) {
+        const auto [x, y] = placeInImage(tile, set.vertices[tile.firstVertex + (index & kQuadIndexMask)]);
+        return static_cast<double>(image.disparity(x, y));
+    };
+    std::multiset<double> steps;
+    for (std::uint32_t i = tile.firstQuad; i < tile.firstQuad + tile.quadCount; ++i) {
+        const TileQuad& quad = set.quads[i];
+        const double d10 = disparityAt(quad.top >> 16), d01 = disparityAt(quad.bottom);
+        double steepest = 0;
+        for (const auto& [isDrawn, corner] : {std::pair{(quad.top & kDrawUpper) != 0, quad.top},
+                                              std::pair{(quad.bottom & kDrawLower) != 0, quad.bottom >> 16}})
+            if (isDrawn)
+                steepest =
+                    std::max({steepest, std::abs(disparityAt(corner) - d10), std::abs(disparityAt(corner) - d01)});
+        steps.insert(steepest);
+    }
+    const double range = static_cast<double>(tile.maxDisparity) - tile.minDisparity;
+    if (steps.empty() || range == 0) return 0;
+    return 255 * *std::next(steps.begin(), (std::ssize(steps) - 1) * 7 / 8) / range;
+}
+
+/// Border: surfaces that a drawn triangle of this tile needs, none of them twice. Kept samples that none needs are
+/// lone, and stand at the end once more.
 void expectBorderIsNeeded(const DepthImage& image, const TileSet& set) {
     for (const Tile& tile : set.tiles) {
         std::set<std::uint32_t> used;
@@ -162,7 +188,9 @@ void expectBorderIsNeeded(const DepthImage& image, const TileSet& set) {
             if ((quad.bottom & kDrawLower) != 0) used.insert(quad.bottom >> 16 & kQuadIndexMask);
         }
         std::set<Place> places;
-        for (std::uint32_t i = 0; i < tile.vertexCount; ++i) {
+        std::vector<TileVertex> lone;
+        for (std::uint32_t i = 0; i < tile.vertexCount - tile.loneCount; ++i) {
+            if (!used.contains(i)) lone.push_back(set.vertices[tile.firstVertex + i]);
             const Place place = placeInImage(tile, set.vertices[tile.firstVertex + i]);
             EXPECT_TRUE(places.insert(place).second);
             EXPECT_TRUE(place.first <= tile.x0 + tile.width && place.second <= tile.y0 + tile.height);
@@ -172,6 +200,11 @@ void expectBorderIsNeeded(const DepthImage& image, const TileSet& set) {
                 EXPECT_TRUE(used.contains(i));
             }
         }
+        const double steepness = steepnessOf(image, tile, set);
+        EXPECT_GE(tile.steepness, steepness - 1e-3);
+        EXPECT_LE(tile.steepness, steepness + 1.001);
+        const auto repeated = std::span(set.vertices).subspan(firstLoneOf(tile), tile.loneCount);
+        EXPECT_TRUE(std::equal(lone.begin(), lone.end(), repeated.begin(), repeated.end()));
     }
 }
 
