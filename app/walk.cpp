@@ -123,14 +123,14 @@ void Walk::say(const std::string& notice) {
 }
 
 void Walk::drawFrame(WalkStage& stage, xr::ViewSource& source, const xr::Frame& frame) {
-    const auto start = std::chrono::steady_clock::now();
+    frameBegan_ = std::chrono::steady_clock::now();
     advance(stage, source, frame);
     drawSomehow(stage, source, frame);
     xr::Frame shown = frame;
     shown.pictureWidth = stats_.picture.width, shown.pictureHeight = stats_.picture.height;
     source.end(shown);
     if (governed_) governed_->tell(stats_, stage.device().isProcessor());
-    const std::chrono::duration<double, std::milli> passed = std::chrono::steady_clock::now() - start;
+    const std::chrono::duration<double, std::milli> passed = std::chrono::steady_clock::now() - frameBegan_;
     report_.add(stats_, passed.count());
     ++frame_;
 }
@@ -374,7 +374,7 @@ void Walk::draw(WalkStage& stage, xr::ViewSource& source, const xr::Frame& frame
     }
     for (const std::string& sentence : damage_.news(stage.gpuScene(), scene_))
         say(sentence);
-    if (governed_ && renderer.frames() == 0) warmUp(renderer, std::span(views).first(eyes));
+    if (governed_ && stage.wasCold()) warmUp(renderer, std::span(views).first(eyes));
     stats_ = renderer.draw(std::span(views).first(eyes), drawn_, std::span(outputs).first(eyes), &overlay_);
     if (deskSide_ != nullptr) mirror(renderer, isDesk(source), frame);
 
@@ -388,12 +388,17 @@ void Walk::draw(WalkStage& stage, xr::ViewSource& source, const xr::Frame& frame
     }
 }
 
-/// Before the first frame, so that no rung that the governor takes later holds one up.
+/// Before the first frame, so that no rung that the governor takes later holds one up. What there is no memory for is
+/// found out when it is asked for.
 void Walk::warmUp(render::Renderer& renderer, std::span<const scene::View> eyes) {
     std::vector<render::Quality> ways = governed_->ways();
     for (render::Quality& way : ways)
         way = without(way, givenUp_);
-    renderer.warmUp(eyes, ways);
+    try {
+        renderer.warmUp(eyes, ways);
+    } catch (const render::OutOfMemory&) {
+    }
+    frameBegan_ = std::chrono::steady_clock::now();
 }
 
 void Walk::mirror(render::Renderer& renderer, bool isAtDesk, const xr::Frame& frame) {

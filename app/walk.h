@@ -119,7 +119,7 @@ class Walk {
     WalkFacts facts_;
     std::future<std::unique_ptr<xr::Runtime>> sought_;
     std::unique_ptr<xr::Runtime> found_;
-    std::chrono::steady_clock::time_point soughtAt_, frameAt_;
+    std::chrono::steady_clock::time_point soughtAt_, frameAt_, frameBegan_; ///< the last: or was warmed up
     double heading_ = 0;            ///< of the head in the frame before, walk space
     double wentAt_ = 0;             ///< seconds_ when the walker was moved last
     double seconds_ = 0;            ///< of this frame, since the walk began

@@ -38,6 +38,7 @@ void WalkStage::remakeDevice(const DrawnScene& drawn) {
     renderers_ = {};
     on_ = {};
     device_.reset();
+    isCold_ = true;
     makeDevice(drawn, {});
 }
 

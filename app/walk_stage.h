@@ -15,6 +15,7 @@
 
 #include <array>
 #include <memory>
+#include <utility>
 
 namespace app {
 
@@ -42,6 +43,9 @@ class WalkStage {
     /// Where no headset hangs on it: device, scene and renderers, all made anew; the source goes on as it is.
     void remakeDevice(const DrawnScene& drawn);
 
+    /// True once for each device: what it draws is yet to be compiled.
+    bool wasCold() { return std::exchange(isCold_, false); }
+
     const render::Device& device() const { return *device_; }
     const render::GpuScene& gpuScene() const { return *on_.images; }
     render::GpuScene& gpuScene() { return *on_.images; }
@@ -62,6 +66,7 @@ class WalkStage {
     std::string name_;
     std::unique_ptr<xr::Runtime> runtime_;
     std::unique_ptr<render::Device> device_;
+    bool isCold_ = true;
     const scene::Scene* scene_ = nullptr; ///< what is brought to it
     DeviceScene on_;
     std::unique_ptr<xr::Headset> headset_;

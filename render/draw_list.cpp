@@ -68,13 +68,13 @@ std::uint32_t footprintOf(const glm::dmat4& c, const scene::SampleBox& box, cons
 /// Whether points or splats as wide as they may be leave gaps between samples that squares would close.
 bool isTooWideFor(Warp warp, const glm::dmat4& c, const scene::SampleBox& box, double steepness,
                   const Quality& quality) {
-    const double step = scene::slopeStepInEye(c, box, steepness);
     if (warp == Warp::points)
         return scene::footprintOf(c, box, quality.footprintScale, quality.maxFootprint + 1) > quality.maxFootprint ||
-               step > quality.maxFootprint;
-    if (warp == Warp::splats && step > 2 * quality.maxSplat) return true;
-    return warp == Warp::splats && scene::splatRadiusOf(c, box, quality.splatScale, quality.maxSplat + 1) >
-                                       static_cast<float>(quality.maxSplat);
+               scene::slopeStepInEye(c, box, steepness) > quality.maxFootprint;
+    if (warp != Warp::splats) return false;
+    return scene::splatRadiusOf(c, box, quality.splatScale, quality.maxSplat + 1) >
+               static_cast<float>(quality.maxSplat) ||
+           scene::slopeStepInEye(c, box, steepness) > 2 * quality.maxSplat;
 }
 
 /// What draws samples of a tile besides its surfaces: all of a stand-in's, else those that no surface reaches.
@@ -89,12 +89,15 @@ std::optional<Warp> warpBesides(const DrawList::Chosen& chosen, const ResidentTi
 /// Pixels.
 constexpr std::uint32_t kSmallStandIn = 4;
 
-/// Pixels. As squares of up to so many, scraps look much as their mesh would, and are drawn in less time; wider squares
-/// stand out of their surface's rim, and show one colour where the mesh has a transition.
+/// Pixels. As squares of up to so many, scraps and lone samples look much as their mesh would, and are drawn in less
+/// time; wider squares stand out of their surface's rim, and show one colour where the mesh has a transition.
 constexpr std::uint32_t kWidestScrapPoint = 2;
 
 /// Order levels that stand-ins are pushed back by: where some of the finer samples are there, those are seen.
 constexpr int kStandInLevels = 2;
+
+/// The same for lone samples, which may be wider than what they are of: where a surface is, that is seen.
+constexpr int kLoneLevels = 2;
 
 /// detail of a TileDraw (shared/detail.h); nothing if no sample of the tile can be drawn. isFinest: of all that are
 /// there.
@@ -170,6 +173,7 @@ void findReach(const SourceView& source, const scene::SampleBox& box, const Qual
     switch (chosen.warp) {
     case Warp::points:
         chosen.width = footprintOf(c, box, quality, chosen.isStandIn);
+        if (chosen.isOfLone && quality.warp != Warp::points) chosen.width = std::min(chosen.width, kWidestScrapPoint);
         chosen.reach = chosen.width == 1 ? Reach::plain : chosen.width <= kWidestShared ? Reach::any : Reach::wide;
         break;
     case Warp::splats: {
@@ -259,17 +263,19 @@ void chooseDraws(const SceneIndex& scene, std::span<const ChunkPlace> places, st
             if (isSmall) return Warp::points;
             if (isStandIn) return warpOf(tile, Warp::adaptive);
             const Warp warp = warpOf(tile, quality.warp);
-            if (quality.drawsSquaresNear && tile.quadCount > 0 &&
+            if (quality.drawsSquaresNear && tile.quadCount + tile.facetCount > 0 &&
                 isTooWideFor(quality.warp, source.eyeImageFromSource, boxOf(scene.bounds, number), tile.steepness,
                              quality))
-                return Warp::mesh;
+                return tile.quadCount > 0 ? Warp::mesh : Warp::adaptive; // coarse tiles have one of both
             const bool isWideScrap =
                 quality.warp == Warp::adaptive && warp == Warp::points &&
                 footprintOf(source.eyeImageFromSource, boxOf(scene.bounds, number), quality, false) > kWidestScrapPoint;
             return isWideScrap ? Warp::mesh : warp;
         };
-        const Warp warp = warpOfTile();
-        const std::uint32_t items = itemsOf(tile, warp);
+        Warp warp = warpOfTile();
+        std::uint32_t items = itemsOf(tile, warp);
+        const bool isAllLone = items == 0 && quality.drawsLone && !isStandIn;
+        if (isAllLone) warp = Warp::points, items = tile.loneCount;
         if (items == 0) return std::nullopt;
         std::optional<vec4> detail = vec4(0);
         if (isDetailed)
@@ -281,7 +287,7 @@ void chooseDraws(const SceneIndex& scene, std::span<const ChunkPlace> places, st
         const bool isByArea = quality.preference.areaLevels > 0;
         const double area =
             isByArea ? scene::sampleAreaInEye(source.eyeImageFromSource, boxOf(scene.bounds, number)) : 0;
-        const int behind = isStandIn ? kStandInLevels : 0;
+        const int behind = isStandIn ? kStandInLevels : isAllLone ? kLoneLevels : 0;
         const int orderLevel =
             std::min(scene::withArea(*level, area, quality.preference) + behind, scene::kMaxOrderLevel);
         DrawList::Chosen chosen{.tile = number,
@@ -289,6 +295,7 @@ void chooseDraws(const SceneIndex& scene, std::span<const ChunkPlace> places, st
                                 .items = items,
                                 .orderLevel = static_cast<std::uint32_t>(orderLevel),
                                 .isStandIn = isStandIn,
+                                .isOfLone = isAllLone,
                                 .warp = warp,
                                 .detail = *detail};
         if (picturePixels > 0) placeInView(source, tile, boxOf(scene.bounds, number), chosen);
@@ -316,6 +323,10 @@ void chooseDraws(const SceneIndex& scene, std::span<const ChunkPlace> places, st
             chosen->warp = *ofSamples;
             const ResidentTile& tile = scene.tiles[chosen->tile];
             chosen->items = chosen->isOfLone ? tile.loneCount : tile.pointCount;
+            if (chosen->isOfLone) {
+                chosen->orderLevel = std::min<std::uint32_t>(chosen->orderLevel + kLoneLevels, scene::kMaxOrderLevel);
+                chosen->area *= static_cast<float>(tile.loneCount) / static_cast<float>(tile.pointCount);
+            }
             findReach(sources[piece.image], boxOf(scene.bounds, chosen->tile), quality, *chosen);
             add(*chosen);
         }

@@ -14,9 +14,10 @@ namespace {
 /// How far outside the image a sample may stand and still touch it.
 double marginOf(const Quality& quality, const GpuScene& scene) {
     if (scene.isStreamed()) return kWidestStandIn;
-    const double margin = quality.warp == Warp::mesh     ? 1.0
+    const double ofPoints = 0.5 * quality.maxFootprint + 1.0;
+    const double margin = quality.warp == Warp::mesh     ? (quality.drawsLone ? ofPoints : 1.0)
                           : quality.warp == Warp::splats ? quality.maxSplat + 1.0
-                                                         : 0.5 * quality.maxFootprint + 1.0;
+                                                         : ofPoints;
     return quality.isBlended ? std::max(margin, static_cast<double>(quality.blend.maxRadius) + 1.0) : margin;
 }
 
@@ -36,7 +37,7 @@ std::vector<Warp> warpsFor(const Quality& quality, const GpuScene& scene) {
     else if (quality.warp == Warp::mesh && quality.drawsLone)
         warps.push_back(Warp::points);
     else if (quality.warp != Warp::mesh && quality.drawsSquaresNear)
-        warps.push_back(Warp::mesh);
+        warps.insert(warps.end(), {Warp::mesh, Warp::adaptive});
     return warps;
 }
 
@@ -158,15 +159,19 @@ FrameStats Renderer::draw(std::span<const scene::View> views, const Quality& qua
 
 void Renderer::warmUp(std::span<const scene::View> views, std::span<const Quality> ways) {
     const bool keeps = std::exchange(keepsNext_, false);
-    for (const Quality& way : ways) {
-        draw(views, way);
-        for (const Warp warp : warpsFor(way, scene_))
-            prepareForWide(device_, warp, scene_.pageLayout(), eyeLayout_, warps_[static_cast<std::size_t>(warp)]);
+    const auto forget = [&] { frames_ = 0, lastWarped_ = {}, keepsNext_ = keeps; };
+    try {
+        for (const Quality& way : ways) {
+            draw(views, way);
+            for (const Warp warp : warpsFor(way, scene_))
+                prepareForWide(device_, warp, scene_.pageLayout(), eyeLayout_, warps_[static_cast<std::size_t>(warp)]);
+        }
+        streams_.waitForAll();
+    } catch (...) {
+        forget();
+        throw;
     }
-    streams_.waitForAll();
-    frames_ = 0;
-    lastWarped_ = {};
-    keepsNext_ = keeps;
+    forget();
 }
 
 void Renderer::makeWarps(const std::vector<Warp>& wanted) {

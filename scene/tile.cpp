@@ -146,7 +146,7 @@ class TileCutter {
         const std::uint32_t maxQuantised = maxQuantisedOf(placeBits_);
         const double scale = range > 0 ? maxQuantised / range : 0.0;
         if (range > 0 && !steps_.empty()) {
-            const auto most = steps_.begin() + (std::ssize(steps_) - 1) * kSteepSquares / kOfSquares;
+            const auto most = steps_.begin() + (std::ssize(steps_) * kSteepSquares + kOfSquares - 1) / kOfSquares - 1;
             std::nth_element(steps_.begin(), most, steps_.end());
             tile.steepness = static_cast<std::uint8_t>(std::min(std::ceil(kMostSteep * (*most / range)), kMostSteep));
         }

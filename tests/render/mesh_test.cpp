@@ -102,6 +102,20 @@ TEST_F(MeshTest, WhatIsInNoSquareIsPointsWhereAskedFor) {
     }
 }
 
+TEST_F(MeshTest, TilesWithoutAnySquareArePointsWhereAskedFor) {
+    const CutScene plane = cut({withLone(takePlane(cameraOf(100, 100, 1.5), {0, 0, 1}, 2), {1, 100})});
+    const GpuScene scene(testDevice(), plane.blocks());
+    const scene::View view{cameraOf(150, 150, 1.5), {glm::dmat3(1.0), {0, 0, 0.2}}};
+    const EyeImage samples = drawOnce(scene, view, {});
+    EXPECT_GT(coverage(samples), 0.9);
+    for (const Warp warp : {Warp::mesh, Warp::adaptive}) {
+        EXPECT_EQ(coverage(drawOnce(scene, view, {.warp = warp})), 0);
+        const EyeImage drawn = drawOnce(scene, view, {.warp = warp, .drawsLone = true});
+        EXPECT_EQ(drawn.pixelClass, samples.pixelClass);
+        EXPECT_EQ(drawn.colour, samples.colour);
+    }
+}
+
 TEST_F(MeshTest, AWallOneCentimetreBeforeTheEyeFillsTheScreen) {
     const CutScene plane = cut({takePlane(cameraOf(64, 64, 1.5), {0, 0, 1}, 2)});
     const GpuScene scene(testDevice(), plane.blocks());

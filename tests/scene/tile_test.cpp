@@ -173,7 +173,11 @@ double steepnessOf(const DepthImage& image, const Tile& tile, const TileSet& set
     }
     const double range = static_cast<double>(tile.maxDisparity) - tile.minDisparity;
     if (steps.empty() || range == 0) return 0;
-    return 255 * *std::next(steps.begin(), (std::ssize(steps) - 1) * 7 / 8) / range;
+    // The least that seven eighths of all are no greater than.
+    const auto enough = std::find_if(steps.begin(), steps.end(), [&](double step) {
+        return 8 * std::distance(steps.begin(), steps.upper_bound(step)) >= 7 * std::ssize(steps);
+    });
+    return 255 * *enough / range;
 }
 
 /// Border: surfaces that a drawn triangle of this tile needs, none of them twice. Kept samples that none needs are
