@@ -1,5 +1,6 @@
 #include "render/renderer.h"
 
+#include "render/draw_needs.h"
 #include "render/shaders/shared/large_part.h"
 
 #include <tbb/parallel_for.h>
@@ -10,36 +11,6 @@
 namespace render {
 
 namespace {
-
-/// How far outside the image a sample may stand and still touch it.
-double marginOf(const Quality& quality, const GpuScene& scene) {
-    if (scene.isStreamed()) return kWidestStandIn;
-    const double ofPoints = 0.5 * quality.maxFootprint + 1.0;
-    const double margin = quality.warp == Warp::mesh     ? (quality.drawsLone ? ofPoints : 1.0)
-                          : quality.warp == Warp::splats ? quality.maxSplat + 1.0
-                                                         : ofPoints;
-    return quality.isBlended ? std::max(margin, static_cast<double>(quality.blend.maxRadius) + 1.0) : margin;
-}
-
-/// Whether gaps of a pixel are taken for filled when hidden tiles are looked for. Meshes have gaps at silhouettes
-/// alone, and what is seen through those is not for the filler to make up.
-bool closesGaps(const Quality& quality) {
-    const bool isOfSamples = quality.warp == Warp::points || quality.warp == Warp::splats;
-    return isOfSamples && quality.holes.radius > 0;
-}
-
-/// Scraps of the adaptive mesh are points, and what bends is squares; and so is what stands in for missing chunks, or
-/// is right before the eye. What is in no square is points.
-std::vector<Warp> warpsFor(const Quality& quality, const GpuScene& scene) {
-    std::vector<Warp> warps{quality.warp};
-    if (quality.warp == Warp::adaptive || scene.isStreamed())
-        warps.insert(warps.end(), {Warp::points, Warp::mesh, Warp::adaptive});
-    else if (quality.warp == Warp::mesh && quality.drawsLone)
-        warps.push_back(Warp::points);
-    else if (quality.warp != Warp::mesh && quality.drawsSquaresNear)
-        warps.insert(warps.end(), {Warp::mesh, Warp::adaptive});
-    return warps;
-}
 
 constexpr std::size_t kFirstBlendDraws = 4096;
 
@@ -107,7 +78,7 @@ FrameStats Renderer::draw(std::span<const scene::View> views, const Quality& qua
         readTimes(slot, stats.gpu);
     }
 
-    makeWarps(warpsFor(quality, scene_));
+    makeWarps(warpsFor(quality, scene_.isStreamed()));
     chooseResolution(quality, overlay != nullptr && !overlay->labels.empty());
     Warped warped{{views.begin(), views.end()}, quality, picture_, scene_.changes()};
     isStanding_ = letsFramesStand_ && warped == lastWarped_;
@@ -163,7 +134,7 @@ void Renderer::warmUp(std::span<const scene::View> views, std::span<const Qualit
     try {
         for (const Quality& way : ways) {
             draw(views, way);
-            for (const Warp warp : warpsFor(way, scene_))
+            for (const Warp warp : warpsFor(way, scene_.isStreamed()))
                 prepareForWide(device_, warp, scene_.pageLayout(), eyeLayout_, warps_[static_cast<std::size_t>(warp)]);
         }
         streams_.waitForAll();
@@ -284,7 +255,7 @@ void Renderer::choose(Eye& eye, const scene::View& given, const Quality& quality
     assert(given.camera.width == width_ && given.camera.height == height_);
     const scene::View view{scene::resized(given.camera, eye.warpWidth, eye.warpHeight), given.worldFromEye};
     timed(eye.times, "cull", index, [&] {
-        const double margin = marginOf(quality, scene_);
+        const double margin = marginOf(quality, scene_.isStreamed());
         findSourceViews(scene_.index(), view, quality, margin, scene_.shares(), eye.sources);
         scene_.index().findPiecesOf(eye.sources.seen, eye.visible.pieces);
         const bool mayStandIn = hasGaps(scene_.places());
