@@ -122,6 +122,7 @@ TEST_F(EdgeCases, WhatHiddenTilesAreLeftOutOfIsTheSamePicture) {
                 with.warp = warp, with.preference.nearBaseline = nearBaseline, with.maxFootprint = 1 + i;
                 // Meshes have gaps at silhouettes alone, and what is seen through those is no matter of filling.
                 if (warp == Warp::mesh || warp == Warp::adaptive) with.holes.radius = i % 2 == 0 ? 0 : 4;
+                with.drawsLone = with.drawsSquaresNear = i % 3 != 0;
                 without = with;
                 without.leavesOutHidden = false;
                 EXPECT_TRUE(isSame(draw(view, with), draw(view, without))) << static_cast<int>(warp) << " " << i;

@@ -20,11 +20,12 @@ std::vector<Way> ways() {
                          {"splats", qualityOf(Warp::splats)},
                          {"mesh", qualityOf(Warp::mesh)},
                          {"adaptive", qualityOf(Warp::adaptive)},
-                         {"points, filled", qualityOf(Warp::points)},
+                         {"points, near squares, filled", qualityOf(Warp::points)},
                          {"points, blended", qualityOf(Warp::points)},
-                         {"mesh, blended, filled", qualityOf(Warp::mesh)},
-                         {"adaptive, coarse, smaller, filled", qualityOf(Warp::adaptive)}};
-    all[4].quality.holes.radius = 8;
+                         {"mesh, lone points, blended, filled", qualityOf(Warp::mesh)},
+                         {"adaptive, lone points, coarse, smaller, filled", qualityOf(Warp::adaptive)}};
+    all[4].quality.holes.radius = 8, all[4].quality.drawsSquaresNear = true;
+    all[6].quality.drawsLone = all[7].quality.drawsLone = true;
     all[5].quality.isBlended = true;
     all[6].quality.isBlended = true, all[6].quality.holes.radius = 8;
     all[7].quality.samplePixels = 1.5, all[7].quality.resolutionScale = 0.7, all[7].quality.holes.radius = 8;
