@@ -54,7 +54,7 @@ void Annotator::update(const NotingWants& wants) {
         else if (!aimed_)
             notice_ = "nothing that was seen is there to note";
         else if (!aimed_->isSeen)
-            notice_ = "that range is a guess: only what was seen is noted";
+            notice_ = "no range was measured there: only what was seen is noted";
         else
             noting_ = press(std::move(noting_), wants.mode, *aimed_, timeNow());
     }

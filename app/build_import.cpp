@@ -23,7 +23,7 @@ namespace {
 using nlohmann::json;
 
 /// Changed whenever what a stage computes changes, so that results of older versions are not taken for new ones.
-constexpr int kImportVersion = 5;
+constexpr int kImportVersion = 6;
 
 json describe(const scene::Pose& pose) {
     json numbers = json::array();

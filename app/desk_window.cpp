@@ -15,17 +15,6 @@ namespace {
 /// How often events are looked for where nothing wakes the window; and how often the panel is drawn at most.
 constexpr double kTick = 1.0 / 60;
 
-/// Filled pixels become more orange, pixels where nothing was seen violet: in all pictures, for as long as it is
-/// wanted.
-void tintUnseen(std::vector<std::uint32_t>& pixels) {
-    for (std::uint32_t& pixel : pixels) {
-        const std::uint32_t pixelClass = pixel >> 24;
-        if (pixelClass == 1) continue;
-        const std::uint32_t tint = pixelClass == 2 ? 0x0030a0ffu : 0x00a02080u; // b g r
-        pixel = ((pixel >> 1) & 0x7f7f7fu) + ((tint >> 1) & 0x7f7f7fu) + (pixel & 0xff000000u);
-    }
-}
-
 class DeskWindow {
   public:
     DeskWindow(xr::Window& window, Desk& desk, xr::Desktop& desktop)
@@ -124,9 +113,6 @@ class DeskWindow {
     }
 
     void showPictures() {
-        if (state_.tintsFilled)
-            for (std::vector<std::uint32_t>& pixels : pictures_.eyes)
-                tintUnseen(pixels);
         const std::vector<xr::WindowPicture> shown = shownPictures();
         window_.show(shown);
         if (state_.isFilming) keeper_.addToFilm(shown);

@@ -8,7 +8,6 @@ namespace app {
 /// What concerns the window alone.
 struct PanelState {
     bool isOpen = true;
-    bool tintsFilled = false; ///< what was filled is told by a tint
     bool isFilming = false;
     bool startsHere = false; ///< said once: walks through this scene begin here
     enum class View { walker, left, both } view = View::walker;

@@ -190,6 +190,10 @@ std::vector<Knob> makeKnobs() {
         yesOrNo(
             "show_unseen", "where no image ever looked is shown as unseen, else as emptiness", {false},
             [](auto& q) -> auto& { return q.showUnseen; }),
+        yesOrNo(
+            "mark_unmeasured",
+            "what was not measured is tinted: what was filled or guessed orange, where nothing was seen violet", {},
+            [](auto& q) -> auto& { return q.marksUnmeasured; }),
         number(
             "unseen_pocket", "m", "an eye in unseen space looks through so much of it", {0, 1000}, {0},
             [](auto& q) -> auto& { return q.unseenPocketMetres; }),

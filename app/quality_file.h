@@ -22,7 +22,7 @@ struct Knob {
     std::string unit;                  ///< of its numbers; may be empty
     std::string does;                  ///< for help
     std::string values;                ///< what it takes, in words: "a whole number of 1 to 64"
-    std::vector<nlohmann::json> tried; ///< what `measure` tries of it
+    std::vector<nlohmann::json> tried; ///< what `measure` tries of it; empty where there is nothing to measure
     std::string warp;                  ///< the only one that it matters to; empty: to all
     std::vector<std::string> names;    ///< what it takes where it takes names
     std::function<nlohmann::json(const render::Quality&)> get;

@@ -50,7 +50,7 @@ std::uint32_t itemsOf(const ResidentTile& tile, Warp warp) {
 
 uint classOf(const ResidentTile& tile, const ChunkPlace& place) {
     if (place.isDamaged) return kClassUnseen;
-    return tile.middle.tier == scene::Tier::guess ? kClassFilled : kClassSeen;
+    return scene::isMeasured(tile.middle.tier) ? kClassSeen : kClassFilled;
 }
 
 scene::SampleBox boxOf(const TileBounds& bounds, std::uint32_t i) {
@@ -250,7 +250,7 @@ void chooseDraws(const SceneIndex& scene, std::span<const ChunkPlace> places, st
     const auto choose = [&](std::uint32_t number) -> std::optional<DrawList::Chosen> {
         const ResidentTile& tile = scene.tiles[number];
         const SourceView& source = sources[tile.image];
-        const bool isBase = tile.middle.tier == scene::Tier::base;
+        const bool isBase = scene::isForAllEyes(tile.middle.tier);
         if (!places[tile.chunk].isThere()) return std::nullopt;
         const bool isStandIn = mayStandIn && source.level > 0 && standsIn(number) &&
                                !(isDetailed && isWhollyWanted(source, boxOf(scene.bounds, number),

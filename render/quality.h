@@ -67,6 +67,9 @@ struct Quality {
     /// Where no image ever looked is shown as unseen, in a scene that knows (GpuCoverage). False: as emptiness.
     bool showUnseen = true;
 
+    /// What was not measured is told by a tint: filled pixels orange, those where nothing was seen violet.
+    bool marksUnmeasured = false;
+
     /// An eye that stands in unseen space itself looks through as much of it, metres of depth; 0: through none.
     double unseenPocketMetres = 1;
 

@@ -55,7 +55,8 @@ Renderer::Renderer(const Device& device, const GpuScene& scene, int width, int h
       occlusion_(makeOcclusionPass(device, eyeLayout_)),
       blend_(makeBlendPass(device, scene.pageLayout(), eyeLayout_, mostPointsOf(scene))),
       resolve_(makeResolvePass(device, eyeLayout_)), rescale_(makeRescalePass(device)),
-      depthPass_(makeDepthPass(device)), overlay_(makeOverlayPass(device, eyeLayout_)), coverage_(coverage),
+      mark_(makeMarkPass(device, eyeLayout_)), depthPass_(makeDepthPass(device)),
+      overlay_(makeOverlayPass(device, eyeLayout_)), coverage_(coverage),
       unseen_(coverage != nullptr ? makeUnseenPipeline(device, *coverage, eyeLayout_) : ComputePipeline{}),
       polygons_(polygons), streams_(device, eyes) {
     assert(width > 0 && height > 0 && eyes >= 1 && eyes <= kMaxEyes);
@@ -343,6 +344,13 @@ void Renderer::recordCommands(Eye& eye, const scene::View& view, const Quality& 
                           picture_.height);
             record(commands, kAfterResolve);
             timer.mark(commands, "rescale");
+        }
+
+        if (quality.marksUnmeasured) {
+            record(commands, kBetweenPictures);
+            recordMark(commands, mark_, eye.target.sets[slot], picture_.width, picture_.height);
+            record(commands, kAfterResolve);
+            timer.mark(commands, "mark");
         }
 
         if (!eye.overlay.bins.empty()) {

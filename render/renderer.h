@@ -8,6 +8,7 @@
 #include "render/gpu_scene.h"
 #include "render/output.h"
 #include "render/overlay_pass.h"
+#include "render/post/mark_pass.h"
 #include "render/post/rescale.h"
 #include "render/post/resolve_pass.h"
 #include "render/post/unseen.h"
@@ -41,7 +42,7 @@ struct EyeCounts {
 struct FrameStats {
     std::uint64_t frame = 0;
     std::vector<StepTime> cpu; ///< wait, cull, choose, unite, list, overlay, record, submit
-    std::vector<StepTime> gpu; ///< clear, warp, polygons, blend, resolve, unseen, rescale, overlay; of the frame
+    std::vector<StepTime> gpu; ///< clear, warp, polygons, blend, resolve, unseen, rescale, mark, overlay; of the frame
                                ///< gpuFrame, empty while none has finished
     std::uint64_t gpuFrame = 0;
     bool isOnePass = false;  ///< the eyes were warped together; their warp is a step of both
@@ -172,6 +173,7 @@ class Renderer {
     BlendPass blend_;
     ResolvePass resolve_;
     RescalePass rescale_;
+    ComputePipeline mark_;
     DepthPass depthPass_;
     OverlayPass overlay_;
     const GpuCoverage* coverage_;

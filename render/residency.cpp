@@ -31,7 +31,7 @@ double reachOfView(const scene::Camera& camera) {
 double wantOf(const SceneIndex& index, const IndexedChunk& chunk, const scene::View& eye, const Quality& quality) {
     const ResidentImage& image = index.images[index.tiles[chunk.firstTile].image];
     const glm::dvec3 eyeInWorld = eye.worldFromEye.translation;
-    if (chunk.chunk.tier != scene::Tier::base) {
+    if (!scene::isForAllEyes(chunk.chunk.tier)) {
         scene::PreferenceOptions near = quality.preference;
         if (quality.isBlended)
             near.nearBaseline = std::max(near.nearBaseline, static_cast<float>(quality.blend.baseline));

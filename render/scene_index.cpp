@@ -139,7 +139,7 @@ void SceneIndex::findPiecesOf(std::span<const std::uint32_t> ofImages, std::vect
 }
 
 TilePiece SceneIndex::pieceFrom(std::size_t first) const {
-    const auto isBase = [](const ResidentTile& tile) { return tile.middle.tier == scene::Tier::base; };
+    const auto isBase = [](const ResidentTile& tile) { return scene::isForAllEyes(tile.middle.tier); };
     TilePiece piece{tiles[first].image, static_cast<std::uint32_t>(first), 0};
     piece.isBase = isBase(tiles[first]);
     piece.reachMetres = 0;

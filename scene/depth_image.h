@@ -25,7 +25,7 @@ enum SampleFlag : std::uint8_t {
     kSkinLower = 1 << 2,    ///< the lower triangle does
     kFloating = 1 << 3,     ///< other images saw through this sample: it hangs in empty space
     kRedundant = 1 << 4,    ///< another image keeps this piece of surface
-    kInterpolated = 1 << 5, ///< resampled between scanner samples that belong to one surface
+    kInterpolated = 1 << 5, ///< range was not measured here: it follows from the samples about
     kNoColour = 1 << 6,     ///< the scanner took range only; colour is its intensity in grey, or mid-grey
     kDirectional =
         1 << 7, ///< another image keeps this piece of surface, this sample is kept for how it looks from here
@@ -50,6 +50,12 @@ inline bool isSurface(std::uint8_t flags) {
 /// other images; what is drawn of it is of class filled.
 inline bool isGuess(std::uint8_t flags) {
     return (flags & (kNoSurface | kFloating | kInterpolated)) == (kNoSurface | kInterpolated);
+}
+
+/// Surface that was laid over a gap of range, or moved to another's side of a silhouette. What is drawn of it is of
+/// class filled.
+inline bool isClosed(std::uint8_t flags) {
+    return isSurface(flags) && (flags & kInterpolated) != 0;
 }
 
 inline bool isDrawable(std::uint8_t flags) {

@@ -75,7 +75,7 @@ Candidates collect(const TileBlock& block, const View& eye, const PreferenceOpti
         if (tile.tier == Tier::base) {
             found.seen.push_back(tile);
             if (const std::optional<Tile> lone = loneOf(tile)) found.lone.push_back(*lone);
-        } else if (orderLevelOf(tile, block.camera, block.worldFromCamera, eye, shownGuesses)) {
+        } else if (orderLevelOf(tile, block.camera, block.worldFromCamera, eye, shownGuesses)) { // or closed
             found.guesses.push_back(tile);
             found.guesses.back().tier = Tier::base; // drawn in plain z order as everything here
         }

@@ -31,7 +31,7 @@ std::optional<int> orderLevelOf(const Tile& tile, const Camera& camera, const Po
 std::optional<int> orderLevelOf(const TileMiddle& middle, const glm::dvec3& eyeFromCamera,
                                 const PreferenceOptions& options) {
     if (options.nearBaseline <= 0) {
-        if (middle.tier == Tier::base) return 0;
+        if (isForAllEyes(middle.tier)) return 0;
         return std::nullopt;
     }
     // Multiplied by disparity, so that what is infinitely far needs no special case: every camera is near for the sky.
@@ -39,7 +39,7 @@ std::optional<int> orderLevelOf(const TileMiddle& middle, const glm::dvec3& eyeF
     const double baseline = middle.disparity * glm::length(eyeFromCamera);
     if (baseline > static_cast<double>(options.nearBaseline) * distance) {
         // Far images are told apart by their area, too.
-        if (middle.tier == Tier::base) return kMaxOrderLevel - (options.areaLevels > 0 ? options.maxAreaLevels : 0);
+        if (isForAllEyes(middle.tier)) return kMaxOrderLevel - (options.areaLevels > 0 ? options.maxAreaLevels : 0);
         return std::nullopt;
     }
     const double share = distance > 0 ? baseline / (distance * static_cast<double>(options.nearBaseline)) : 0.0;

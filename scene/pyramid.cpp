@@ -10,11 +10,13 @@ namespace scene {
 
 namespace {
 
-/// What comes first where four samples become one: 0 is best.
+/// What comes first where four samples become one: 0 is best, kRanks - 1 worst.
+constexpr int kRanks = 5;
 int rankOf(std::uint8_t flags) {
-    if ((flags & kRedundant) != 0) return 3;
-    if (isGuess(flags)) return 2;
-    return (flags & kDirectional) != 0 ? 1 : 0;
+    if ((flags & kRedundant) != 0) return 4;
+    if (isGuess(flags)) return 3;
+    if ((flags & kDirectional) != 0) return isClosed(flags) ? 3 : 2;
+    return isClosed(flags) ? 1 : 0;
 }
 
 struct Child {
@@ -29,7 +31,7 @@ bool areAlike(float a, float b, float sameSurface) {
 
 /// Of the children of the best rank the one that most of all agree with; of several the nearest.
 const Child& mainOf(std::span<const Child> children, float sameSurface) {
-    int best = 4;
+    int best = kRanks;
     for (const Child& child : children)
         best = std::min(best, rankOf(child.flags));
     const Child* chosen = nullptr;

@@ -16,8 +16,11 @@ bool isKept(std::uint8_t flags) {
 }
 
 Tier tierOf(std::uint8_t flags) {
-    if (isGuess(flags)) return Tier::guess;
-    return (flags & kDirectional) != 0 ? Tier::directional : Tier::base;
+    const bool isDirectional = (flags & kDirectional) != 0;
+    // Of a piece of surface that another image holds, a look that nobody measured is worth no more than a guess.
+    if (isGuess(flags) || (isClosed(flags) && isDirectional)) return Tier::guess;
+    if (isClosed(flags)) return Tier::closed;
+    return isDirectional ? Tier::directional : Tier::base;
 }
 
 /// Which samples a tile is cut from; by its top left sample a square belongs to it.
@@ -93,14 +96,17 @@ class TileCutter {
         if (!isInside(ax, ay) || !isInside(bx, by) || !isInside(cx, cy)) return false;
         const std::uint8_t a = flagsAt(ax, ay), b = flagsAt(bx, by), c = flagsAt(cx, cy);
         if (!isDrawable(a) || !isDrawable(b) || !isDrawable(c)) return false;
-        // A triangle between tiers is the base's, so that the base has no cracks of its own.
+        // A triangle between tiers is the base's, so that the base has no cracks of its own; but where a corner that is
+        // kept was not measured, it is not what was seen.
         const auto has = [&](Tier tier) {
             return (isKept(a) && tierOf(a) == tier) || (isKept(b) && tierOf(b) == tier) ||
                    (isKept(c) && tierOf(c) == tier);
         };
         if (isGuess(a) || isGuess(b) || isGuess(c))
             return tier_ == Tier::guess && (isKept(a) || isKept(b) || isKept(c));
-        return tier_ == Tier::base ? has(Tier::base) : has(tier_) && !has(Tier::base);
+        for (const Tier tier : {Tier::closed, Tier::base, Tier::guess, Tier::directional})
+            if (has(tier)) return tier_ == tier;
+        return false;
     }
 
     void appendQuad(int x, int y, TileSet& set) {
@@ -308,7 +314,7 @@ TileSet cutIntoTiles(const DepthImage& image, int tileSize) {
     assert(tileSize >= 1 && tileSize <= kMaxTileSize);
     TileSet set;
     const Image<std::int8_t> distances = distancesOf(image);
-    for (const Tier tier : {Tier::base, Tier::directional, Tier::guess})
+    for (const Tier tier : {Tier::base, Tier::closed, Tier::directional, Tier::guess})
         TierCutter(image, distances, tier, tileSize).appendTo(set);
     return set;
 }

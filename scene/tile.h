@@ -47,9 +47,18 @@ inline constexpr std::uint32_t kQuadIndexMask = 0x7fff;
 /// Base tiles together hold every piece of surface that was seen. Directional tiles hold surfaces that the base has
 /// too, as they look from another direction: they are drawn only for eyes that look from near it, and leaving them out
 /// opens no hole. Guess tiles hold what has no measured range (isGuess): a guess is believed only near where it was
-/// made, so they are drawn for the same eyes as directional ones, as pixels of class filled.
-enum class Tier : std::uint8_t { base = 0, directional = 1, guess = 2 };
-inline constexpr int kTiers = 3;
+/// made, so they are drawn for the same eyes as directional ones, as pixels of class filled. Closed tiles hold base
+/// surface whose range nobody measured (isClosed): they are drawn as base ones, but as pixels of class filled.
+enum class Tier : std::uint8_t { base = 0, directional = 1, guess = 2, closed = 3 };
+inline constexpr int kTiers = 4;
+
+/// Drawn for all eyes.
+inline bool isForAllEyes(Tier tier) {
+    return tier == Tier::base || tier == Tier::closed;
+}
+inline bool isMeasured(Tier tier) {
+    return tier == Tier::base || tier == Tier::directional;
+}
 
 /// A rectangle of mesh squares that lie in one plane, within the tolerance it was made with: one piece of the adaptive
 /// mesh (scene/facets.h). mark: x | y << 6 of its top left vertex | log2 of its side in squares << 12, and which halves

@@ -23,7 +23,7 @@ struct TileWarp {
 };
 
 inline PixelClass classOf(Tier tier) {
-    return tier == Tier::guess ? PixelClass::filled : PixelClass::seen;
+    return isMeasured(tier) ? PixelClass::seen : PixelClass::filled;
 }
 
 inline TileWarp tileWarpOf(const Tile& tile, const glm::dmat4& eyeImageFromSourceImage, int level) {

@@ -14,6 +14,7 @@ revisit_test(revisit_render_tests WHOLE LABELS gpu TIMEOUT 600 LINKS revisit_ren
         render/hole_fill_test.cpp
         render/hole_words_test.cpp
         render/occluders_test.cpp
+        render/mark_test.cpp
         render/mesh_test.cpp
         render/oracle_test.cpp
         render/overlay_test.cpp

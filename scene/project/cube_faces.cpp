@@ -31,7 +31,7 @@ DepthImage emptyFace(const Scan& scan, const CubeFrame& frame, int face, const C
 // The mesh's disparity and colour at the pixel centres.
 void paintMesh(const Scan& scan, const ScanGrid& grid, const CubeFrame& frame, int face, const Image<MeshPixel>& mesh,
                DepthImage& image) {
-    const std::uint8_t flags = scan.hasColour ? kInterpolated : kInterpolated | kNoColour;
+    const std::uint8_t flags = scan.hasColour ? std::uint8_t{0} : std::uint8_t{kNoColour};
     tbb::parallel_for(0, mesh.height(), [&](int y) {
         for (int x = 0; x < mesh.width(); ++x) {
             const MeshPixel shown = mesh(x, y);
@@ -122,6 +122,7 @@ CubeFaces projectToCubeFaces(const Scan& scan, const CubeFaceOptions& options) {
             placePoints(scan, frame, face, own, grid ? &*grid : nullptr, mesh, options, first);
         report.held += clusters.held;
         report.dropped += clusters.dropped;
+        report.pixels += clusters.pixels;
 
         int x0 = 0, y0 = 0;
         cropToUsed(first, x0, y0);

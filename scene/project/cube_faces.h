@@ -21,6 +21,7 @@ struct CubeFaceReport {
     std::int64_t points = 0;  ///< in the scan
     std::int64_t held = 0;    ///< stand as a sample of some face: the sample of their pixel is on their surface
     std::int64_t dropped = 0; ///< at the scanner's origin, or deeper than maxLayers
+    std::int64_t pixels = 0;  ///< with points of their own; between them lies the mesh of the scan's grid
     double columnStepRadians = 0, rowStepRadians = 0; ///< the scan's angular density
     bool coarserThanScan = false;                     ///< that density was not allowed: pixels hold several points
 };

@@ -63,6 +63,7 @@ class Placement {
         const auto width = static_cast<std::size_t>(face_.camera.width);
         const int x = static_cast<int>(pixel % width), y = static_cast<int>(pixel / width);
         const MeshPixel shown = mesh_.empty() ? 0 : mesh_(x, y);
+        ++result.pixels;
 
         onMesh_.clear();
         offMesh_.clear();
@@ -72,7 +73,6 @@ class Placement {
             (shown != 0 && isOn(shown, disparity, point) ? onMesh_ : offMesh_).push_back({disparity, point});
         }
         if (offMesh_.empty()) {
-            face_.flags(x, y) &= static_cast<std::uint8_t>(~kInterpolated);
             result.held += static_cast<std::int64_t>(onMesh_.size());
             return;
         }
@@ -176,6 +176,7 @@ PixelClusters placePoints(const Scan& scan, const CubeFrame& frame, int faceInde
     for (PixelClusters& part : parts) {
         all.held += part.held;
         all.dropped += part.dropped;
+        all.pixels += part.pixels;
         all.further.insert(all.further.end(), part.further.begin(), part.further.end());
     }
     return all;

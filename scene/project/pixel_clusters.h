@@ -25,11 +25,11 @@ struct LayerSample {
 struct PixelClusters {
     std::vector<LayerSample> further; ///< in an order that depends on the scan alone
     std::int64_t held = 0, dropped = 0;
+    std::int64_t pixels = 0; ///< with points of their own
 };
 
-/// face: a face's first layer with its mesh drawn (kInterpolated everywhere); mesh: the same pixels, empty
-/// for loose points. points: all of the scan that belong to this face. Writes to face; clears kInterpolated
-/// where a point stands.
+/// face: a face's first layer with its mesh drawn; mesh: the same pixels, empty for loose points. points: all of the
+/// scan that belong to this face. Writes to face.
 PixelClusters placePoints(const Scan& scan, const CubeFrame& frame, int faceIndex,
                           std::span<const std::uint32_t> points, const ScanGrid* grid, const Image<MeshPixel>& mesh,
                           const CubeFaceOptions& options, DepthImage& face);

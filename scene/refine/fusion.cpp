@@ -20,6 +20,7 @@ struct Mean {
     glm::vec3 colour{0};
     float colourWeight = 0, disparity = 0, disparityWeight = 0;
     bool isColoured = false; ///< of samples that have colours; those of intensity alone have no say then
+    bool isMeasured = false; ///< by any of the samples
 };
 
 /// Whether drawing needs this sample: it is kept, or shares a mesh square with one that is.
@@ -27,6 +28,19 @@ bool isNeeded(const Image<Keep>& kept, int x, int y) {
     for (int j = std::max(y - 1, 0); j <= std::min(y + 1, kept.height() - 1); ++j)
         for (int i = std::max(x - 1, 0); i <= std::min(x + 1, kept.width() - 1); ++i)
             if (kept(i, j) != Keep::no) return true;
+    return false;
+}
+
+/// Whether range was measured here, or right beside on the same surface: what lies between samples no farther apart
+/// than two pixels is resampled, as the mesh of a scan is.
+bool isMeasuredAbout(const DepthImage& image, int x, int y, float sameSurface) {
+    if (!isClosed(image.flags(x, y))) return true;
+    const float d = image.disparity(x, y);
+    for (int j = std::max(y - 1, 0); j <= std::min(y + 1, image.camera.height - 1); ++j)
+        for (int i = std::max(x - 1, 0); i <= std::min(x + 1, image.camera.width - 1); ++i)
+            if (isSurface(image.flags(i, j)) && !isClosed(image.flags(i, j)) &&
+                std::abs(image.disparity(i, j) - d) <= sameSurface * d)
+                return true;
     return false;
 }
 
@@ -71,7 +85,9 @@ DepthImage fuse(ImageStore& images, std::size_t index, const std::vector<Partner
     // Weights are relative to the sample's own, which is 1.
     const auto hasOwnColour = [&](int x, int y) { return (image.flags(x, y) & kNoColour) == 0; };
     forNeeded([&](int x, int y) {
-        means(x, y) = {colourOf(image, x, y), 1, image.disparity(x, y), 1, hasOwnColour(x, y)};
+        means(x, y) = {colourOf(image, x, y), 1,
+                       image.disparity(x, y), 1,
+                       hasOwnColour(x, y),    isMeasuredAbout(image, x, y, options.comparison.sameSurface)};
     });
 
     const std::size_t asked = std::min(partners.size(), static_cast<std::size_t>(options.maxPartners));
@@ -105,7 +121,9 @@ DepthImage fuse(ImageStore& images, std::size_t index, const std::vector<Partner
                 mean.disparity += nearness * onPartner;
                 mean.disparityWeight += nearness;
             }
-            const bool isColoured = (partner.flags(static_cast<int>(at.u), static_cast<int>(at.v)) & kNoColour) == 0;
+            const std::uint8_t partnersFlags = partner.flags(static_cast<int>(at.u), static_cast<int>(at.v));
+            mean.isMeasured |= !isClosed(partnersFlags);
+            const bool isColoured = (partnersFlags & kNoColour) == 0;
             if (mean.isColoured && !isColoured) return;
             if (isColoured && !mean.isColoured) {
                 mean.colour = glm::vec3(0), mean.colourWeight = 0;
@@ -146,6 +164,7 @@ DepthImage fuse(ImageStore& images, std::size_t index, const std::vector<Partner
             if (mean.isColoured) flags(x, y) = static_cast<std::uint8_t>(flags(x, y) & ~kNoColour);
         }
         disparity(x, y) = mean.disparity / mean.disparityWeight;
+        if (mean.isMeasured) flags(x, y) = static_cast<std::uint8_t>(flags(x, y) & ~kInterpolated);
     });
     fused.colour = std::move(colour);
     fused.disparity = std::move(disparity);

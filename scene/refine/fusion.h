@@ -18,7 +18,8 @@ struct FusionOptions {
 };
 
 /// The image with fused colour and disparity, for every sample that drawing needs: kept ones and those that share a
-/// mesh square with one. The flags of the result say what is kept: kRedundant, kDirectional or neither.
+/// mesh square with one. The flags of the result say what is kept: kRedundant, kDirectional or neither. What is closed
+/// (isClosed) is no longer so where this image measured the same surface within a pixel, or another one did.
 DepthImage fuse(ImageStore& images, std::size_t index, const std::vector<Partner>& partners, const Image<Keep>& kept,
                 const FusionOptions& options);
 

@@ -26,6 +26,8 @@ constexpr double kLivingRoomMeshFloor = 34, kLivingRoomPointsFloor = 33.2, kLivi
 constexpr double kLivingRoomBestFloor = 34.2;
 constexpr double kShelfMeshFloor = 23.9; ///< real sensor: a third of its pixels have range, exposure changes
 constexpr double kShelfBestFloor = 26;
+/// What was closed or moved to another side of a silhouette is filled, not seen, and is the harder part.
+constexpr double kShelfSeen = 0.75, kShelfCovered = 0.94, kShelfCoveredMeshFloor = 23, kShelfCoveredBestFloor = 24.8;
 constexpr double kShelfGain = 1;   ///< dB, against all samples as they were captured
 constexpr double kMostKept = 0.15; ///< share of the samples that the living room needs
 constexpr const char* kPatienceSeconds = "60";
@@ -48,8 +50,9 @@ Agreement drawHeldOut(const std::filesystem::path& scene, const std::string& war
     EXPECT_EQ(drawn.status, 0) << drawn.output;
     if (drawn.status != 0) return {};
     const Agreement agreement = compareHeldOut(scene, frames, truthOf);
-    std::printf("%s by %s: %d pictures, %.2f dB, %.1f %% seen\n", what.c_str(), warp.c_str(), agreement.pictures,
-                agreement.meanPsnr, 100 * agreement.seenShare);
+    std::printf("%s by %s: %d pictures, %.2f dB, %.1f %% seen; %.2f dB, %.1f %% seen or filled\n", what.c_str(),
+                warp.c_str(), agreement.pictures, agreement.meanPsnr, 100 * agreement.seenShare, agreement.coveredPsnr,
+                100 * agreement.coveredShare);
     return agreement;
 }
 
@@ -104,19 +107,24 @@ TEST(Captures, TheShelfFromPlacesThatWereKeptOutAndAtItsBest) {
     const Agreement mesh = drawHeldOut(scene, "mesh", "shelf", truthOf, scratch);
     EXPECT_EQ(mesh.pictures, 5);
     EXPECT_GE(mesh.meanPsnr, kShelfMeshFloor);
-    EXPECT_GE(mesh.seenShare, 0.8) << "few seen pixels would be easy ones";
+    EXPECT_GE(mesh.seenShare, kShelfSeen) << "few seen pixels would be easy ones";
+    EXPECT_GE(mesh.coveredPsnr, kShelfCoveredMeshFloor);
+    EXPECT_GE(mesh.coveredShare, kShelfCovered);
 
     ASSERT_NO_FATAL_FAILURE(build(capture, scene, "every:10:5", scratch, {"--no-cull"}));
     const Agreement blended = drawHeldOut(scene, "blended", "shelf", truthOf, scratch);
     EXPECT_EQ(blended.pictures, 5);
     EXPECT_GE(blended.meanPsnr, kShelfBestFloor);
-    EXPECT_GE(blended.seenShare, 0.8);
+    EXPECT_GE(blended.seenShare, kShelfSeen);
+    EXPECT_GE(blended.coveredPsnr, kShelfCoveredBestFloor);
+    EXPECT_GE(blended.coveredShare, kShelfCovered);
 
     ASSERT_NO_FATAL_FAILURE(
         build(capture, scene, "every:10:5", scratch, {"--no-cull", "--no-fuse", "--no-silhouettes"}));
     const Agreement captured = drawHeldOut(scene, "mesh", "shelf as captured", truthOf, scratch);
-    EXPECT_GE(mesh.meanPsnr, captured.meanPsnr + kShelfGain);
-    EXPECT_LE(captured.seenShare, mesh.seenShare + 0.03) << "no easier pixels than those";
+    EXPECT_GE(mesh.coveredPsnr, captured.coveredPsnr + kShelfGain);
+    EXPECT_LE(captured.coveredShare, mesh.coveredShare + 0.03) << "no easier pixels than those";
+    EXPECT_GE(mesh.seenShare, captured.seenShare + 0.05) << "others measured what one alone closed";
 }
 
 TEST(Captures, EveryPointOfTheScannedPump) {

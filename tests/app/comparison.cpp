@@ -27,7 +27,7 @@ double psnr(const cv::Mat3b& a, const cv::Mat3b& b, const cv::Mat1b& where) {
 
 Agreement compareHeldOut(const std::filesystem::path& scene, const std::filesystem::path& frames,
                          const std::function<std::filesystem::path(const std::string&)>& truthOf) {
-    constexpr int kSeen = 1;
+    constexpr int kSeen = 1, kFilled = 2;
     Agreement agreement;
     const nlohmann::json manifest = readJson(scene / "scene.json");
     for (const auto& camera : manifest.at("held_out")) {
@@ -41,12 +41,17 @@ Agreement compareHeldOut(const std::filesystem::path& scene, const std::filesyst
             continue;
         }
         const cv::Mat1b seen(pixelClass == kSeen);
+        const cv::Mat1b covered((pixelClass == kSeen) | (pixelClass == kFilled));
         agreement.meanPsnr += psnr(drawn, truth, seen);
         agreement.seenShare += cv::countNonZero(seen) / static_cast<double>(seen.total());
+        agreement.coveredPsnr += psnr(drawn, truth, covered);
+        agreement.coveredShare += cv::countNonZero(covered) / static_cast<double>(covered.total());
         ++agreement.pictures;
     }
     agreement.meanPsnr /= std::max(agreement.pictures, 1);
     agreement.seenShare /= std::max(agreement.pictures, 1);
+    agreement.coveredPsnr /= std::max(agreement.pictures, 1);
+    agreement.coveredShare /= std::max(agreement.pictures, 1);
     return agreement;
 }
 

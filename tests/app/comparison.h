@@ -18,8 +18,9 @@ double psnr(const cv::Mat3b& a, const cv::Mat3b& b, const cv::Mat1b& where);
 
 struct Agreement {
     int pictures = 0;
-    double meanPsnr = 0;  ///< over the pictures, each over its seen pixels
-    double seenShare = 0; ///< of all pixels
+    double meanPsnr = 0;                      ///< over the pictures, each over its seen pixels
+    double seenShare = 0;                     ///< of all pixels
+    double coveredPsnr = 0, coveredShare = 0; ///< the same over pixels that are seen or filled
 };
 
 /// The held-out cameras of a scene, drawn into `frames` with --aux, against the pictures that truthOf names for each.

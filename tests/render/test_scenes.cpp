@@ -184,7 +184,8 @@ std::vector<scene::DepthImage> roomFromThreePlaces() {
 }
 
 CutScene roomInAllTiers() {
-    constexpr std::array<unsigned, 3> kTierFlags{0, scene::kDirectional, scene::kNoSurface | scene::kInterpolated};
+    constexpr std::array<unsigned, 4> kTierFlags{0, scene::kDirectional, scene::kNoSurface | scene::kInterpolated,
+                                                 scene::kInterpolated};
     std::vector<scene::DepthImage> images = roomFromThreePlaces();
     std::mt19937 random(5);
     for (std::size_t i = 1; i < images.size(); ++i)

@@ -208,6 +208,22 @@ TEST(Pick, AGuessIsNoSeenSampleAndHidesNothingNearer) {
     EXPECT_FALSE(pick(farther.blocks, {{0, 0, 0}, {0, 0, 1}})->isSeen) << "what is shown is the guess";
 }
 
+TEST(Pick, WhatIsClosedIsShownToAllEyesAndNotMeasuredWith) {
+    DepthImage image = wall({0, 0, 1}).images[0];
+    for (int y = 100; y < 200; ++y)
+        for (int x = 150; x < 250; ++x)
+            image.flags(x, y) = kInterpolated;
+    const Tiled closed({image});
+    for (const glm::dvec3& eye : {glm::dvec3(0), glm::dvec3(1.5, 0.2, 0.3)}) { // a guess is not shown to the latter
+        const auto hit = pick(closed.blocks, {eye, glm::dvec3(0, 0, 2) - eye});
+        ASSERT_TRUE(hit);
+        EXPECT_FALSE(hit->isSeen);
+        EXPECT_NEAR(hit->position.z, 2, 1e-4);
+    }
+    EXPECT_TRUE(pick(closed.blocks, {{0, 0, 0}, {0.15, 0, 1}})->isSeen) << "beside it";
+    EXPECT_TRUE(pick(closed.blocks, {{0, 0, 0}, {0.063, 0, 1}})->isSeen) << "its rim, where samples are in reach";
+}
+
 TEST(Pick, FarFromTheOriginItIsAsExact) {
     const glm::dvec3 offset(1e7, -1e7, 1e7), normal = glm::normalize(glm::dvec3(0.1, 0.2, 1));
     const Tiled here = wall(normal), there = wall(normal, offset);

@@ -33,6 +33,7 @@ TEST(Preference, BaseTilesAreAlwaysDrawnAndDirectionalOnesOnlyFromNear) {
             orderLevelOf(tileOf(camera, disparity, Tier::directional), camera, worldFromCamera, eye, options);
         const auto guess = orderLevelOf(tileOf(camera, disparity, Tier::guess), camera, worldFromCamera, eye, options);
         ASSERT_EQ(guess.has_value(), directional.has_value()) << "case " << i;
+        EXPECT_EQ(orderLevelOf(tileOf(camera, disparity, Tier::closed), camera, worldFromCamera, eye, options), base);
         ASSERT_TRUE(base.has_value()) << "case " << i;
         ASSERT_TRUE(*base >= 0 && *base <= kMaxOrderLevel) << "case " << i;
 

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <set>
 #include <span>
 #include <string>
@@ -26,7 +27,7 @@ bool isKept(std::uint8_t flags) {
 
 /// What a random image is made of; shares of samples, from 0 to 1.
 struct Content {
-    double absent = 0.2, floating = 0.05, redundant = 0.2, skins = 0.2, interpolated = 0.1;
+    double absent = 0.2, floating = 0.05, redundant = 0.2, skins = 0.2, interpolated = 0.1, directional = 0.2;
 };
 
 /// Samples that are not there have a disparity nobody may touch.
@@ -48,6 +49,7 @@ DepthImage drawImage(int width, int height, unsigned seed, const Content& conten
             if (happens(content.skins)) flags |= kSkinUpper;
             if (happens(content.skins)) flags |= kSkinLower;
             if (happens(content.interpolated)) flags |= kInterpolated;
+            if (happens(content.directional)) flags |= kDirectional;
             image.flags(x, y) = static_cast<std::uint8_t>(flags);
             const auto channel = [&] { return static_cast<std::uint8_t>(random.integerBetween(0, 255)); };
             const std::uint8_t r = channel(), g = channel(), b = channel();
@@ -130,26 +132,34 @@ void expectEveryKeptSampleOnce(const DepthImage& image, const TileSet& set) {
     EXPECT_EQ(points, kept);
 }
 
-/// Guesses, and triangles with a guess among their samples, stand in guess tiles and nowhere else.
-void expectGuessesByThemselves(const DepthImage& image, const TileSet& set) {
-    for (const Tile& tile : set.tiles) {
-        const auto isGuessAt = [&](std::uint32_t index) {
-            const auto [x, y] = placeInImage(tile, set.vertices[tile.firstVertex + index]);
-            return isGuess(image.flags(x, y));
-        };
-        const bool isOfGuesses = tile.tier == Tier::guess;
-        for (std::uint32_t i = 0; i < tile.pointCount; ++i)
-            EXPECT_EQ(isGuessAt(i), isOfGuesses);
-        for (std::uint32_t i = 0; i < tile.quadCount; ++i) {
-            const TileQuad& quad = set.quads[tile.firstQuad + i];
-            const bool middle = isGuessAt(quad.top >> 16 & kQuadIndexMask) || isGuessAt(quad.bottom & kQuadIndexMask);
-            if ((quad.top & kDrawUpper) != 0) {
-                EXPECT_EQ(middle || isGuessAt(quad.top & kQuadIndexMask), isOfGuesses);
-            }
-            if ((quad.bottom & kDrawLower) != 0) {
-                EXPECT_EQ(middle || isGuessAt(quad.bottom >> 16 & kQuadIndexMask), isOfGuesses);
-            }
+/// Samples stand in tiles of their tier and nowhere else. A triangle is a guess where any of its samples is one, else
+/// filled where one that is kept was not measured, the base's where one is, and of other directions where all are.
+void expectTiersByThemselves(const DepthImage& image, const TileSet& set) {
+    const auto tierAt = [&](const Place& place) -> std::optional<Tier> {
+        const std::uint8_t flags = image.flags(place.first, place.second);
+        if (!isKept(flags)) return std::nullopt;
+        const bool isMeasured = (flags & (kInterpolated | kNoSurface)) == 0;
+        if ((flags & kNoSurface) != 0) return Tier::guess;
+        if ((flags & kDirectional) != 0) return isMeasured ? Tier::directional : Tier::guess;
+        return isMeasured ? Tier::base : Tier::closed;
+    };
+    const auto tierOf = [&](const Triangle& triangle) {
+        std::set<std::optional<Tier>> tiers;
+        for (const Place& place : triangle) {
+            if ((image.flags(place.first, place.second) & kNoSurface) != 0) return Tier::guess;
+            tiers.insert(tierAt(place));
         }
+        for (const Tier tier : {Tier::closed, Tier::base, Tier::guess})
+            if (tiers.contains(tier)) return tier;
+        return Tier::directional;
+    };
+    for (const Tile& tile : set.tiles) {
+        for (std::uint32_t i = 0; i < tile.pointCount; ++i)
+            EXPECT_EQ(tierAt(placeInImage(tile, set.vertices[tile.firstVertex + i])), tile.tier);
+        TileSet alone{
+            .tiles = {tile}, .coarser = {}, .vertices = set.vertices, .quads = set.quads, .facets = {}, .texels = {}};
+        for (const Triangle& triangle : trianglesOf(alone))
+            EXPECT_EQ(tierOf(triangle), tile.tier);
     }
 }
 
@@ -241,7 +251,7 @@ void expectCutRight(const DepthImage& image, int tileSize) {
     const TileSet set = cutIntoTiles(image, tileSize);
     expectTilesFollowEachOther(set);
     expectEveryKeptSampleOnce(image, set);
-    expectGuessesByThemselves(image, set);
+    expectTiersByThemselves(image, set);
     expectBorderIsNeeded(image, set);
     expectSamplesAreTrue(image, set);
     EXPECT_EQ(trianglesOf(set), trianglesOf(image));

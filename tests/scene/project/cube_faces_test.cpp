@@ -177,9 +177,7 @@ TEST(CubeFaces, CellsOfSideFacesNeverShareAPixel) {
     side.elevationFrom = -33.3, side.elevationTo = 33;
     const Scan scan = sweep(rangeToRoom, side);
     const CubeFaces faces = projectToCubeFaces(scan);
-    std::size_t own = 0;
-    forEachSample(faces, [&](const DepthImage& face, int x, int y) { own += !(face.flags(x, y) & kInterpolated); });
-    EXPECT_EQ(own, scan.pointsInScanner.size());
+    EXPECT_EQ(faces.report.pixels, std::ssize(scan.pointsInScanner));
     EXPECT_EQ(faces.faces.size(), 4u) << "no layers, no up, no down";
 }
 
@@ -192,8 +190,8 @@ TEST(CubeFaces, NoSampleHangsBetweenFrontAndBack) {
     forEachSample(faces, [&](const DepthImage& face, int x, int y) {
         const double range = glm::length(pointAt(face, x, y));
         double nearest = 1e9;
-        for (double dy = -1; dy <= 2; dy += 0.25)
-            for (double dx = -1; dx <= 2; dx += 0.25) {
+        for (double dy = -1; dy <= 2 && nearest >= 0.02; dy += 0.25)
+            for (double dx = -1; dx <= 2 && nearest >= 0.02; dx += 0.25) {
                 const double truth = rangeToRoomWithBall(directionAt(face, x + dx, y + dy));
                 nearest = std::min(nearest, std::abs(range / truth - 1));
             }
@@ -387,9 +385,10 @@ TEST(CubeFaces, AGridThatIsNoneIsProjectedAsLoosePoints) {
     std::shuffle(scan.pointsInScanner.begin(), scan.pointsInScanner.end(), random);
     const CubeFaces faces = projectToCubeFaces(scan);
     EXPECT_EQ(faces.report.held, faces.report.points);
-    forEachSample(faces, [&](const DepthImage& face, int x, int y) {
-        ASSERT_FALSE(face.flags(x, y) & kInterpolated) << "no mesh between points that are no neighbours";
-    });
+    std::int64_t samples = 0;
+    forEachSample(faces, [&](const DepthImage&, int, int) { ++samples; });
+    EXPECT_LE(samples, faces.report.points) << "no mesh between points that are no neighbours";
+    EXPECT_GE(samples, faces.report.pixels);
 }
 
 TEST(CubeFaces, RangeWithoutColourIsFlagged) {

@@ -110,10 +110,37 @@ TEST(Fusion, OfASingleImageChangesNoBit) {
     std::vector<DepthImage> images = nearbyImages(1);
     addNoise(images[0], 1);
     images[0].flags(3, 3) = kNoSurface, images[0].disparity(3, 3) = 0;
-    images[0].flags(5, 9) = kSkinUpper | kInterpolated;
+    images[0].flags(5, 9) = kSkinUpper;
     const DepthImage original = images[0];
     ImageStore store(std::move(images));
     EXPECT_TRUE(hasSameBytes(fuse(store, 0, {}, keepAll(), {}), original));
+}
+
+TEST(Fusion, WhatIsClosedStaysSoUnlessAnotherImageMeasuredIt) {
+    std::vector<DepthImage> images = nearbyImages(3);
+    for (DepthImage& image : images)
+        for (int y = 0; y < 120; ++y)
+            for (int x = 0; x < 160; ++x)
+                if (&image == &images[0] || y < 60) image.flags(x, y) = kInterpolated;
+    const auto closedIn = [&](std::vector<DepthImage> all, int fromRow) {
+        ImageStore store(std::move(all));
+        const DepthImage fused = fuse(store, 0, allBut(3, 0), keepAll(), {});
+        int closed = 0;
+        for (int y = fromRow; y < fromRow + 40; ++y)
+            for (int x = 0; x < 160; ++x)
+                closed += isClosed(fused.flags(x, y));
+        return closed;
+    };
+    EXPECT_EQ(closedIn(images, 0), 40 * 160) << "closed in all three";
+    for (int x = 10; x < 20; ++x)
+        images[0].flags(x, 20) = 0;
+    EXPECT_EQ(closedIn(images, 0), 40 * 160 - 3 * 12) << "what stands beside samples is resampled";
+    for (int x = 10; x < 20; ++x)
+        images[0].disparity(x, 20) *= 1.5f;
+    EXPECT_EQ(closedIn(images, 0), 40 * 160 - 10) << "but not beside those of another surface";
+    for (int x = 10; x < 20; ++x)
+        images[0].flags(x, 20) = kInterpolated, images[0].disparity(x, 20) /= 1.5f;
+    EXPECT_LT(closedIn(images, 80), 40 * 160 / 10) << "measured in two; along rims nothing is smooth";
 }
 
 TEST(Fusion, SaysWhatIsKeptAndTouchesOnlyWhatDrawingNeeds) {
