@@ -189,14 +189,14 @@ void writeScene(const std::filesystem::path& output, const scene::Capture& captu
     try {
         writeImages(part / "images", imported, tiles);
         writeHeldOut(part / scene::kHeldOutFolder, capture, heldOut, heldOutOfScans);
-        std::int64_t tileCount = 0, coarser = 0, quads = 0, points = 0, closed = 0, facets = 0;
+        std::int64_t tileCount = 0, coarser = 0, quads = 0, points = 0, unmeasured = 0, facets = 0;
         const auto tilesOf = [&](std::size_t i) {
             scene::TileSet set = scene::unpackTiles(readWhole(tiles.blocks[i]), tiles.blocks[i].string());
             tileCount += std::ssize(set.tiles), quads += std::ssize(set.quads);
             coarser += std::ssize(set.coarser), facets += std::ssize(set.facets);
             for (const scene::Tile& tile : set.tiles) {
                 points += tile.pointCount;
-                closed += tile.tier == scene::Tier::closed ? tile.pointCount : 0;
+                unmeasured += scene::isMeasured(tile.tier) ? 0 : tile.pointCount;
             }
             return set;
         };
@@ -239,7 +239,7 @@ void writeScene(const std::filesystem::path& output, const scene::Capture& captu
                         {"samples", kept.figures.samples},
                         {"samples_base", kept.figures.base},
                         {"samples_directional", kept.figures.directional},
-                        {"samples_closed", closed},
+                        {"samples_closed", unmeasured - kept.figures.guesses},
                         {"samples_floating", skins.figures.floating},
                         {"guesses_confirmed", skins.figures.confirmed},
                         {"guesses_refuted", skins.figures.refuted},

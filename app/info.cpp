@@ -176,8 +176,8 @@ void printInfo(const std::filesystem::path& folder, bool asJson) {
     std::printf("  samples    %.0f; kept %s as base, %s for other directions; %.0f float in empty space\n",
                 number("samples"), shareText(number("samples_base"), number("samples")).c_str(),
                 shareText(number("samples_directional"), number("samples")).c_str(), number("samples_floating"));
-    if (number("samples_closed") > 0)
-        std::printf("  closed     %.0f kept samples lie where no image measured range, shown as filled\n",
+    if (f.value("samples_closed", 0.0) > 0) // older scenes do not say
+        std::printf("  closed     %.0f kept samples lie more than a pixel from what was measured, shown as filled\n",
                     number("samples_closed"));
     if (number("guesses_confirmed") + number("guesses_refuted") + number("guesses_open") > 0)
         std::printf(

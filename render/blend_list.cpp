@@ -28,7 +28,8 @@ bool mayBeBlended(const TilePiece& piece, const glm::dvec3& eyeFromCamera, const
 }
 
 void chooseBlendDraws(const SceneIndex& scene, std::span<const ChunkPlace> places, std::span<const SourceView> sources,
-                      const VisibleTiles& visible, const scene::BlendOptions& options, BlendList& list) {
+                      const VisibleTiles& visible, const scene::BlendOptions& options, bool hasPolygons,
+                      BlendList& list) {
     const std::vector<ResidentTile>& tiles = scene.tiles;
     const std::vector<TilePiece>& pieces = scene.pieces;
     const float unit = scene::blendUnitOf(sources.size());
@@ -45,6 +46,7 @@ void chooseBlendDraws(const SceneIndex& scene, std::span<const ChunkPlace> place
             const std::uint32_t number = visible.slots[piece.first + i];
             const ResidentTile& tile = tiles[number];
             if (tile.pointCount == 0 || !isWhole(places[tile.chunk])) continue;
+            if (hasPolygons && !scene::isMeasured(tile.middle.tier)) continue;
             const auto spot = scene::blendSpotOf(sources[tile.image].eyeImageFromSource, boxOf(scene.bounds, number),
                                                  tile.middle, eyeFromCamera, options);
             if (!spot) continue;

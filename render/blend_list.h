@@ -24,9 +24,11 @@ struct BlendList {
 /// Whether any tile of a piece of a captured image may be added.
 bool mayBeBlended(const TilePiece& piece, const glm::dvec3& eyeFromCamera, const scene::BlendOptions& options);
 
-/// As chooseDraws. sources: one for each captured image; coarser levels are left out.
+/// As chooseDraws. sources: one for each captured image; coarser levels are left out. hasPolygons: those are of class
+/// filled, and so is what was not measured: it is left out then, for nothing must mix with them.
 void chooseBlendDraws(const SceneIndex& scene, std::span<const ChunkPlace> places, std::span<const SourceView> sources,
-                      const VisibleTiles& visible, const scene::BlendOptions& options, BlendList& list);
+                      const VisibleTiles& visible, const scene::BlendOptions& options, bool hasPolygons,
+                      BlendList& list);
 
 /// As writeDraws.
 void writeBlendDraws(const SceneIndex& scene, std::span<const ChunkPlace> places, std::span<const SourceView> sources,

@@ -277,7 +277,7 @@ void Renderer::choose(Eye& eye, const scene::View& given, const Quality& quality
                     leavesOutHidden(quality) ? static_cast<double>(eye.warpWidth) * eye.warpHeight : 0);
         if (quality.isBlended)
             chooseBlendDraws(scene_.index(), scene_.places(), capturedOf(eye), eye.visible, quality.blend,
-                             eye.blendList);
+                             polygonPass_.has_value(), eye.blendList);
     });
 }
 

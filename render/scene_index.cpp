@@ -179,8 +179,9 @@ void SceneIndex::measure(IndexedChunk& indexed, const scene::TileBlock& block) {
 }
 
 void SceneIndex::findFiner() {
-    // A coarse sample is of the first tier that one below it is of: others of that tier may be missing, no more.
-    // Chunks of a level and tier by the places of their tiles, counted in tiles of the largest size.
+    // A coarse sample is of the first tier that one below it is of: others of that tier may be missing, no more; but
+    // base ones stand for closed ones, too, and without those there would be holes. Chunks of a level and tier by the
+    // places of their tiles, counted in tiles of the largest size.
     constexpr int kCell = scene::kMaxTileSize + 1;
     std::map<std::tuple<std::uint32_t, std::uint32_t, scene::Tier, int, int>, std::vector<std::uint32_t>> at;
     const auto forCells = [](const TileBounds& boxes, std::uint32_t i, int scale, auto&& visit) {
@@ -204,8 +205,12 @@ void SceneIndex::findFiner() {
         const std::size_t before = finer_.size();
         if (image.level > 0)
             forCells(bounds, i, 2, [&](int x, int y) {
-                const auto list = at.find({image.captured, image.level - 1, tiles[i].middle.tier, x, y});
-                if (list != at.end()) finer_.insert(finer_.end(), list->second.begin(), list->second.end());
+                const auto addOf = [&](scene::Tier tier) {
+                    const auto list = at.find({image.captured, image.level - 1, tier, x, y});
+                    if (list != at.end()) finer_.insert(finer_.end(), list->second.begin(), list->second.end());
+                };
+                addOf(tiles[i].middle.tier);
+                if (tiles[i].middle.tier == scene::Tier::base) addOf(scene::Tier::closed);
             });
         const auto first = finer_.begin() + static_cast<std::ptrdiff_t>(before);
         std::sort(first, finer_.end());

@@ -85,7 +85,7 @@ class SceneIndex {
     std::size_t capturedImages = 0;
     std::vector<ResidentTile> tiles;
     TileBounds bounds;
-    /// All tiles once, in order; a piece never crosses an image, nor holds both base tiles and others.
+    /// All tiles once, in order; a piece never crosses an image, nor holds both tiles for all eyes and others.
     std::vector<TilePiece> pieces;
     std::vector<IndexedChunk> chunks;
     std::vector<ImageSphere> spheres; ///< of the captured images
@@ -96,8 +96,8 @@ class SceneIndex {
     /// Finds out, once, what finerThan tells: needed where chunks come and go.
     void findFiner();
 
-    /// The chunks of the next finer level and the same tier in which the samples below a coarser tile's are (or some
-    /// more): none for tiles of level 0, nor before findFiner.
+    /// The chunks of the next finer level and the same tier, of closed tiles too for base ones, in which the samples
+    /// below a coarser tile's are (or some more): none for tiles of level 0, nor before findFiner.
     std::span<const std::uint32_t> finerThan(std::uint32_t tile) const {
         if (firstFiner_.empty()) return {};
         return std::span(finer_).subspan(firstFiner_[tile], firstFiner_[tile + 1] - firstFiner_[tile]);

@@ -52,8 +52,8 @@ inline bool isGuess(std::uint8_t flags) {
     return (flags & (kNoSurface | kFloating | kInterpolated)) == (kNoSurface | kInterpolated);
 }
 
-/// Surface that was laid over a gap of range, or moved to another's side of a silhouette. What is drawn of it is of
-/// class filled.
+/// Surface that was laid over a gap of range, moved to another side of a silhouette, or guessed and confirmed. What is
+/// drawn of it is of class filled.
 inline bool isClosed(std::uint8_t flags) {
     return isSurface(flags) && (flags & kInterpolated) != 0;
 }

@@ -52,7 +52,7 @@ bool mayBeSeen(const Tile& tile, const Planes& planes) {
 
 /// Tiles of one image that may be in the ray's way. lone: as points, the samples that no triangle holds.
 struct Candidates {
-    std::vector<Tile> seen, guesses, lone;
+    std::vector<Tile> seen, lone, unmeasured, loneUnmeasured;
 };
 
 /// Of a tile, as one that has no other samples; none if there are none.
@@ -75,9 +75,14 @@ Candidates collect(const TileBlock& block, const View& eye, const PreferenceOpti
         if (tile.tier == Tier::base) {
             found.seen.push_back(tile);
             if (const std::optional<Tile> lone = loneOf(tile)) found.lone.push_back(*lone);
-        } else if (orderLevelOf(tile, block.camera, block.worldFromCamera, eye, shownGuesses)) { // or closed
-            found.guesses.push_back(tile);
-            found.guesses.back().tier = Tier::base; // drawn in plain z order as everything here
+        } else if (orderLevelOf(tile, block.camera, block.worldFromCamera, eye, shownGuesses)) {
+            const auto addTo = [](std::vector<Tile>& tiles, Tile unmeasured) {
+                unmeasured.tier = Tier::base; // drawn in plain z order as everything here
+                tiles.push_back(unmeasured);
+            };
+            addTo(found.unmeasured, tile);
+            if (const std::optional<Tile> lone = loneOf(tile); lone && tile.tier == Tier::closed)
+                addTo(found.loneUnmeasured, *lone);
         }
     }
     return found;
@@ -190,7 +195,7 @@ std::optional<Pick> pick(std::span<const TileBlock> blocks, const Ray& ray, cons
     std::vector<Candidates> candidates(blocks.size());
     tbb::parallel_for(std::size_t{0}, blocks.size(),
                       [&](std::size_t i) { candidates[i] = collect(blocks[i], eye, options.shownGuesses); });
-    std::vector<TileBlock> seen, guesses, lone;
+    std::vector<TileBlock> seen, lone, unmeasured, loneUnmeasured;
     for (std::size_t i = 0; i < blocks.size(); ++i) {
         const TileBlock& block = blocks[i];
         const auto lend = [&](std::vector<TileBlock>& into, std::span<const Tile> tiles) {
@@ -208,7 +213,8 @@ std::optional<Pick> pick(std::span<const TileBlock> blocks, const Ray& ray, cons
                                 false});
         };
         lend(seen, candidates[i].seen);
-        lend(guesses, candidates[i].guesses);
+        lend(unmeasured, candidates[i].unmeasured);
+        lend(loneUnmeasured, candidates[i].loneUnmeasured);
         lend(lone, candidates[i].lone);
     }
 
@@ -216,7 +222,8 @@ std::optional<Pick> pick(std::span<const TileBlock> blocks, const Ray& ray, cons
     ZBuffer seenKeys(options.pixels, options.pixels), guessKeys(options.pixels, options.pixels);
     warpMesh(seen, eye, plain, seenKeys);
     warpPoints(lone, eye, plain, seenKeys);
-    warpMesh(guesses, eye, plain, guessKeys);
+    warpMesh(unmeasured, eye, plain, guessKeys);
+    warpPoints(loneUnmeasured, eye, plain, guessKeys);
     const Image<double> seenDisparities = disparitiesOf(seenKeys), guessDisparities = disparitiesOf(guessKeys);
 
     const double snapPixels = eye.camera.fx * std::tan(options.snapRadians);

@@ -38,7 +38,8 @@ struct Pick {
     /// Of the surface around it, unit, towards the ray's origin; nothing where too little of it is there to tell.
     std::optional<glm::dvec3> normal;
     double distanceMetres = 0; ///< from the ray's origin
-    /// False for a guess of range, which stands nearer than anything that was measured: it must not be measured with.
+    /// False for a guess of range, and what is closed, which stands nearer than anything that was measured: it must not
+    /// be measured with.
     bool isSeen = true;
 };
 

@@ -44,7 +44,7 @@ inline constexpr std::uint32_t kDrawUpper = 1u << 15; ///< in top
 inline constexpr std::uint32_t kDrawLower = 1u << 15; ///< in bottom
 inline constexpr std::uint32_t kQuadIndexMask = 0x7fff;
 
-/// Base tiles together hold every piece of surface that was seen. Directional tiles hold surfaces that the base has
+/// Base and closed tiles together hold every piece of surface. Directional tiles hold surfaces that the base has
 /// too, as they look from another direction: they are drawn only for eyes that look from near it, and leaving them out
 /// opens no hole. Guess tiles hold what has no measured range (isGuess): a guess is believed only near where it was
 /// made, so they are drawn for the same eyes as directional ones, as pixels of class filled. Closed tiles hold base
@@ -164,8 +164,8 @@ inline TileBlock lend(const TileSet& set, const Camera& camera, const Pose& worl
 
 /// Cuts an image into tiles of tileSize x tileSize samples (1 to kMaxTileSize). A sample is kept if it is drawable and
 /// not redundant; a triangle is drawn if it is no skin, its three samples are drawable and at least one is kept, by the
-/// tier of its kept samples (base before directional); with a guess among its samples it is a guess. A place in the
-/// image gives up to three tiles, one of each tier; those without kept samples and triangles are left out. Where fewer
+/// tier of its kept samples (closed, base, guess, directional); with a guess among them it is one. A place in the
+/// image gives up to four tiles, one of each tier; those without kept samples and triangles are left out. Where fewer
 /// than one sample in kScrapShare is kept, what there is goes into scraps: so that each step of their disparities
 /// stays small, every scrap holds surfaces of like distance. Tier by tier, so that what is drawn only from near can be
 /// passed over together.

@@ -18,7 +18,7 @@ void main()
     for (int i = end - constants.width + int(gl_LocalInvocationID.x); i < end; i += int(gl_WorkGroupSize.x)) {
         uvec4 sum = sums[i];
         // What was filled is not what the samples were compared with.
-        bool isFront = (colours[i] >> 24) == (texelFetch(zTexels, i).x & 3u);
+        bool isFront = colours[i] == colourAndClassOf(texelFetch(zTexels, i).xy);
         if (sum.w != 0u && isFront) colours[i] = (colours[i] & 0xff000000u) | meanColourOf(sum.xy, sum.zw);
     }
 }

@@ -254,6 +254,30 @@ TEST(DrawList, PiecesThatArePassedOverHoldNothingThatIsDrawn) {
     EXPECT_GT(standIns, 100u);
 }
 
+// A coarse sample of a measured and three closed ones is measured: it stands for all four.
+TEST(DrawList, BaseTilesStandInForClosedOnesThatAreMissing) {
+    std::vector<scene::DepthImage> images{takeRoom(cameraOf(200, 150, 1.4), poseAt({}, 0, 0))};
+    std::mt19937 random(9);
+    for (std::uint8_t& flags : images[0].flags.pixels())
+        if (random() % 4 != 0) flags |= scene::kInterpolated;
+    const CutScene room = cutInLevels(std::move(images));
+    const std::vector<scene::TileBlock> blocks = room.blocks();
+    SceneIndex index(blocks, 16 << 10);
+    index.findFiner();
+    int coarse = 0;
+    for (std::uint32_t i = 0; i < index.tiles.size(); ++i) {
+        const ResidentTile& tile = index.tiles[i];
+        if (index.images[tile.image].level != 1 || tile.middle.tier != scene::Tier::base) continue;
+        ++coarse;
+        const auto finer = index.finerThan(i);
+        for (const scene::Tier tier : {scene::Tier::base, scene::Tier::closed})
+            EXPECT_TRUE(std::any_of(finer.begin(), finer.end(), [&](std::uint32_t chunk) {
+                return index.chunks[chunk].chunk.tier == tier;
+            })) << i;
+    }
+    EXPECT_GT(coarse, 5);
+}
+
 TEST(DrawList, FootprintsStayWithinTheirLimit) {
     const Many many = manyTiles(1000);
     for (const int limit : {1, 3}) {

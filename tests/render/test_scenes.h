@@ -42,8 +42,8 @@ CutScene roomFromWithin(int size, int tileSize = scene::kDefaultTileSize);
 /// The room from three places near its middle, 0.4 and 0.25 m apart.
 std::vector<scene::DepthImage> roomFromThreePlaces();
 
-/// The same; a third of what the second and third took stands in the directional tier, a third are
-/// guesses.
+/// The same; of what the second and third took a quarter stands in the directional tier, a quarter are guesses, a
+/// quarter is closed.
 CutScene roomInAllTiers();
 
 /// Polygons: a rectangle from a corner along two edges, of one material.

@@ -221,6 +221,17 @@ TEST(Pick, WhatIsClosedIsShownToAllEyesAndNotMeasuredWith) {
         EXPECT_NEAR(hit->position.z, 2, 1e-4);
     }
     EXPECT_TRUE(pick(closed.blocks, {{0, 0, 0}, {0.15, 0, 1}})->isSeen) << "beside it";
+
+    DepthImage lone = wall({0, 0, 1}).images[0];
+    lone.disparity(200, 150) = 1, lone.flags(200, 150) = kInterpolated; // 1 m before the wall, in no square
+    for (int y = 149; y <= 150; ++y)
+        for (int x = 199; x <= 200; ++x)
+            lone.flags(x, y) |= kSkinUpper | kSkinLower;
+    const Tiled wire({lone});
+    const auto hit = pick(wire.blocks, {{0, 0, 0}, {0.5 / 760, 0.5 / 760, 1}});
+    ASSERT_TRUE(hit);
+    EXPECT_FALSE(hit->isSeen);
+    EXPECT_NEAR(hit->distanceMetres, 1, 1e-4);
     EXPECT_TRUE(pick(closed.blocks, {{0, 0, 0}, {0.063, 0, 1}})->isSeen) << "its rim, where samples are in reach";
 }
 

@@ -179,6 +179,18 @@ TEST(Pyramid, WhatIsKeptComesFirstAndTheNearerOfTwoAlike) {
     EXPECT_FLOAT_EQ(halve(fine, {}).disparity(0, 0), 0.5f) << "two and two: the nearer";
 }
 
+TEST(Pyramid, OfWhatIsKeptMeasuredBaseComesBeforeClosedAndThatBeforeOtherDirectionsAndGuesses) {
+    constexpr std::uint8_t kOrder[] = {0, kInterpolated, kDirectional, kNoSurface | kInterpolated, kRedundant};
+    for (int better = 0; better < 4; ++better)
+        for (int worse = better + 1; worse < 5; ++worse) {
+            DepthImage fine = blank(2, 2, 0.5f);
+            for (std::uint8_t& flags : fine.flags.pixels())
+                flags = kOrder[worse];
+            fine.flags(1, 1) = kOrder[better];
+            EXPECT_EQ(halve(fine, {}).flags(0, 0), kOrder[better]) << better << " and " << worse;
+        }
+}
+
 TEST(Pyramid, LevelsSurviveTheirBlock) {
     const TileSet set = cutIntoLevels(drawHills(300, 200, 6), {});
     std::set<int> levels;
