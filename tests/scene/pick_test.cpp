@@ -173,13 +173,18 @@ TEST(Pick, OfNarrowGapsTheNearestSampleIsTakenAndOfWideOnesNone) {
     EXPECT_FALSE(pick(wide.blocks, {{0, 0, 0}, {0, 0, 1}}));
 }
 
-TEST(Pick, ALoneSampleIsHitThoughNoTriangleHoldsIt) {
+/// A wire's only sample, 1 m before the wall, in no square.
+Tiled wireBeforeWall(std::uint8_t flags) {
     DepthImage image = wall({0, 0, 1}).images[0];
-    image.disparity(200, 150) = 1; // a wire's only sample, 1 m before the wall
+    image.disparity(200, 150) = 1, image.flags(200, 150) = flags;
     for (int y = 149; y <= 150; ++y)
         for (int x = 199; x <= 200; ++x)
             image.flags(x, y) |= kSkinUpper | kSkinLower;
-    const Tiled wire({image});
+    return Tiled({image});
+}
+
+TEST(Pick, ALoneSampleIsHitThoughNoTriangleHoldsIt) {
+    const Tiled wire = wireBeforeWall(0);
     const auto hit = pick(wire.blocks, {{0, 0, 0}, {0.5 / 760, 0.5 / 760, 1}});
     ASSERT_TRUE(hit);
     EXPECT_NEAR(hit->distanceMetres, 1, 1e-4);
@@ -221,18 +226,15 @@ TEST(Pick, WhatIsClosedIsShownToAllEyesAndNotMeasuredWith) {
         EXPECT_NEAR(hit->position.z, 2, 1e-4);
     }
     EXPECT_TRUE(pick(closed.blocks, {{0, 0, 0}, {0.15, 0, 1}})->isSeen) << "beside it";
+    EXPECT_TRUE(pick(closed.blocks, {{0, 0, 0}, {0.063, 0, 1}})->isSeen) << "its rim, where samples are in reach";
+}
 
-    DepthImage lone = wall({0, 0, 1}).images[0];
-    lone.disparity(200, 150) = 1, lone.flags(200, 150) = kInterpolated; // 1 m before the wall, in no square
-    for (int y = 149; y <= 150; ++y)
-        for (int x = 199; x <= 200; ++x)
-            lone.flags(x, y) |= kSkinUpper | kSkinLower;
-    const Tiled wire({lone});
+TEST(Pick, ALoneSampleThatIsClosedIsHitAndNotMeasuredWith) {
+    const Tiled wire = wireBeforeWall(kInterpolated);
     const auto hit = pick(wire.blocks, {{0, 0, 0}, {0.5 / 760, 0.5 / 760, 1}});
     ASSERT_TRUE(hit);
     EXPECT_FALSE(hit->isSeen);
     EXPECT_NEAR(hit->distanceMetres, 1, 1e-4);
-    EXPECT_TRUE(pick(closed.blocks, {{0, 0, 0}, {0.063, 0, 1}})->isSeen) << "its rim, where samples are in reach";
 }
 
 TEST(Pick, FarFromTheOriginItIsAsExact) {

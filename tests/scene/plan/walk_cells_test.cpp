@@ -233,7 +233,7 @@ TEST(WalkCells, LocateFindsTheCellThatHoldsThePlaceFromAnywhere) {
     const Positions positions = scattered(300, 31);
     const WalkCells cells(positions);
     RandomPlaces places(32);
-    for (int i = 0; i < 700; ++i) {
+    for (int i = 0; i < 2000; ++i) {
         const glm::dvec3 p = places.point(3);
         const auto from =
             static_cast<std::uint32_t>(places.integerBetween(0, static_cast<int>(cells.cells().size()) - 1));
