@@ -34,7 +34,7 @@ void writePath(const fs::path& path, double seconds) {
 }
 
 TEST(LongWalk, TwentyThousandFramesTakeNoMoreThanAThousand) {
-    const app::SampleScene room("room", 4, "80x60");
+    const app::SampleScene room("room", 4, "40x30");
     const scene::ScratchFolder scratch;
     const fs::path path = scratch / "path.json", out = scratch / "out";
     writePath(path, 30);
