@@ -206,11 +206,26 @@ Image<std::int8_t> distancesOf(const DepthImage& image) {
     return distances;
 }
 
+/// Of each square, by its top left sample, whether one of its corners is kept, in whatever tier: else it belongs to no
+/// tile. Of most images little is kept.
+Image<std::uint8_t> squaresOfKept(const DepthImage& image) {
+    Image<std::uint8_t> squares(image.camera.width, image.camera.height, 0);
+    for (int y = 0; y < image.camera.height; ++y)
+        for (int x = 0; x < image.camera.width; ++x) {
+            if (!isKept(image.flags(x, y))) continue;
+            for (int j = std::max(y - 1, 0); j <= y; ++j)
+                for (int i = std::max(x - 1, 0); i <= x; ++i)
+                    squares(i, j) = 1;
+        }
+    return squares;
+}
+
 /// Cuts one tier of an image: full places into tiles of their own, the rest into scraps.
 class TierCutter {
   public:
-    TierCutter(const DepthImage& image, const Image<std::int8_t>& distances, Tier tier, int tileSize)
-        : image_(image), distances_(distances), tier_(tier), tileSize_(tileSize),
+    TierCutter(const DepthImage& image, const Image<std::uint8_t>& squaresOfKept, const Image<std::int8_t>& distances,
+               Tier tier, int tileSize)
+        : image_(image), squaresOfKept_(squaresOfKept), distances_(distances), tier_(tier), tileSize_(tileSize),
           columns_(placesIn(image.camera.width)), rows_(placesIn(image.camera.height)),
           isScrap_(static_cast<std::size_t>(columns_) * rows_) {
         for (int i = 0; i < std::max(image.camera.width, image.camera.height); ++i)
@@ -288,7 +303,7 @@ class TierCutter {
         for (int y = 0; y < cut.height; ++y)
             for (int x = 0; x < cut.width; ++x) {
                 const int column = cut.x0 + x, row = cut.y0 + y;
-                if (!isScrapAt(column, row)) continue;
+                if (squaresOfKept_(column, row) == 0 || !isScrapAt(column, row)) continue;
                 const std::uint8_t flags = image_.flags(column, row);
                 if (isKept(flags) && tierOf(flags) == tier_)
                     scrapOf(scraps, distances_(column, row)).samples.push_back({x, y});
@@ -301,6 +316,7 @@ class TierCutter {
     }
 
     const DepthImage& image_;
+    const Image<std::uint8_t>& squaresOfKept_;
     const Image<std::int8_t>& distances_; ///< see distancesOf
     Tier tier_;
     int tileSize_, columns_, rows_;
@@ -313,9 +329,10 @@ class TierCutter {
 TileSet cutIntoTiles(const DepthImage& image, int tileSize) {
     assert(tileSize >= 1 && tileSize <= kMaxTileSize);
     TileSet set;
+    const Image<std::uint8_t> squares = squaresOfKept(image);
     const Image<std::int8_t> distances = distancesOf(image);
     for (const Tier tier : {Tier::base, Tier::closed, Tier::directional, Tier::guess})
-        TierCutter(image, distances, tier, tileSize).appendTo(set);
+        TierCutter(image, squares, distances, tier, tileSize).appendTo(set);
     return set;
 }
 
