@@ -2,7 +2,7 @@
 add_library(revisit_render_scenes STATIC render/test_scenes.cpp)
 target_link_libraries(revisit_render_scenes PUBLIC render PRIVATE revisit_flags)
 
-revisit_test(revisit_render_tests WHOLE LABELS gpu TIMEOUT 600 LINKS revisit_render_scenes TBB::tbb
+revisit_test(revisit_render_tests WHOLE LABELS gpu TIMEOUT 600 LINKS revisit_render_scenes TBB::tbb PkgConfig::HWY
     SOURCES
         render/adaptive_test.cpp
         render/blend_test.cpp

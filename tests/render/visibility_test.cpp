@@ -1,6 +1,7 @@
 #include "render/gpu_scene.h"
 #include "render/visibility.h"
 #include "tests/render/test_scenes.h"
+#include "tests/scene/vector_widths.h"
 
 #include <glm/matrix.hpp>
 #include <gtest/gtest.h>
@@ -153,24 +154,32 @@ TEST(Visibility, HoldsExactlyOnTheEdges) {
     EXPECT_EQ(findVisible(bounds, 0, 4, planesOf(c, 64, 64, -2, bounds.extentOf(0, 4)), visible.data()), 0u);
 }
 
-TEST(Visibility, EveryLengthAndStartGivesTheSameAsOneByOne) {
+class VisibilityByWidth : public scene::VectorWidths {};
+
+TEST_F(VisibilityByWidth, EveryLengthAndStartGivesTheSameAsOneByOne) {
     const Boxes boxes = randomBoxes(100, 5);
     std::mt19937 random(9);
     const glm::dmat4 c =
         scene::eyeImageFromSourceImage(randomView(random, cameraOf(640, 480, 1.6)), cameraOf(4096, 4096, 1.5708), {});
     const ImagePlanes planes = planesOf(c, 640, 480, 1, boxes.extent);
-    for (std::size_t first = 0; first < 20; ++first)
-        for (std::size_t count = 0; first + count <= 100; ++count) {
-            std::vector<std::uint32_t> together(count + 1, 4711), single;
-            const std::size_t found = findVisible(boxes.bounds, first, count, planes, together.data());
-            EXPECT_EQ(together[count], 4711u) << "wrote past its slot";
-            together.resize(found);
-            for (std::size_t i = first; i < first + count; ++i) {
-                std::uint32_t number = 0;
-                if (findVisible(boxes.bounds, i, 1, planes, &number) == 1) single.push_back(number);
+    forEach([&](const char* width) {
+        std::size_t most = 0;
+        for (std::size_t first = 0; first < 20; ++first)
+            for (std::size_t count = 0; first + count <= 100; ++count) {
+                std::vector<std::uint32_t> together(count + 1, 4711), single;
+                const std::size_t found = findVisible(boxes.bounds, first, count, planes, together.data());
+                EXPECT_EQ(together[count], 4711u) << "wrote past its slot, " << width;
+                together.resize(found);
+                for (std::size_t i = first; i < first + count; ++i) {
+                    std::uint32_t number = 0;
+                    if (findVisible(boxes.bounds, i, 1, planes, &number) == 1) single.push_back(number);
+                }
+                ASSERT_EQ(together, single) << width;
+                most = std::max(most, found);
             }
-            ASSERT_EQ(together, single);
-        }
+        EXPECT_GT(most, 20u) << width;
+        EXPECT_LT(most, 80u) << width;
+    });
 }
 
 TEST(Visibility, IsTheSameOnAnyNumberOfThreads) {
