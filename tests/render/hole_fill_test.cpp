@@ -174,6 +174,15 @@ TEST(HoleFill, ACrackThroughWhatStandsBeforeIsClosedAndAThinThingIsNot) {
             for (int x = 1; x < 20; ++x)
                 EXPECT_EQ(pole.fill(x, y, fillWithin(4)), pole.keys(x, y)) << x << " " << y;
     }
+    // Where a crack goes on beside itself, as most do.
+    for (const int rows : {1, 2, 3}) {
+        Picture stepped(21, 21);
+        for (int y = 0; y < 21; ++y)
+            for (int x = 0; x < 21; ++x)
+                stepped.put(x, y, x == 4 + y / rows ? 0.4f : 1.0f);
+        for (int y = 3; y < 15; ++y)
+            EXPECT_NEAR(eyeDisparityOf(stepped.fill(4 + y / rows, y, fillWithin(4))), 1, 1e-6) << rows << ", " << y;
+    }
     // What is seen past a straight edge, in a gap of two pixels, and through a fence's squares is not closed.
     Picture edge(21, 21);
     for (int y = 0; y < 21; ++y)

@@ -181,8 +181,9 @@ SHARED_FUNCTION uvec2 keyOf(HoleSurface surface) {
     return packKey(disparity, colour, kClassFilled);
 }
 
-/// Of the mask's four pairs, how many must stand before a pixel that is no hole: a crack runs along one of them.
-SHARED_CONSTANT int kPairsAcrossCrack = 3;
+/// Of the mask's four pairs, how many must stand before a pixel that is no hole. A crack runs along one of them, and
+/// where it goes on beside itself along two.
+SHARED_CONSTANT int kPairsAcrossCrack = 2;
 
 /// The mask; only ends nearer than `nearer` count.
 HOLE_FUNCTION HoleSurface surfaceByMask(HOLE_KEYS ivec2 pixel, float nearer, HoleFill fill) {
