@@ -17,7 +17,7 @@ namespace render {
 constexpr std::size_t kBitsTogether = 8;
 
 /// Of each byte the numbers of the bits that are set, in order. Highway's own Compress copies a table of a kilobyte to
-/// the stack at every call where vectors have 256 bits (1.0.3 as g++ 12 compiles it): ten times the time of the test.
+/// the stack at every call where vectors have 256 bits (1.0.3 as g++ 12 compiles it): four times the time of the test.
 constexpr auto kSetBits = [] {
     std::array<std::array<std::uint8_t, kBitsTogether>, 256> numbers{};
     for (std::size_t byte = 0; byte < numbers.size(); ++byte)
