@@ -27,7 +27,6 @@ constexpr int kAdjustVersion = 4;
 constexpr int kPixelsAcross = 400;  ///< of a sketch, about: finer ones hold poses no better
 constexpr int kFewestAcross = 100;  ///< coarser ones hold them worse than they are given
 constexpr float kLeastShare = 0.1f; ///< of an image, that a partner must see of it
-constexpr double kDegrees = 180 / std::numbers::pi;
 
 std::size_t bytesOfSketches(const scene::Capture& capture, int shrink) {
     std::size_t bytes = 0;

@@ -18,7 +18,6 @@ using nlohmann::json;
 
 /// Changed whenever what registration finds changes, so that results of older versions are not taken for new ones.
 constexpr int kRegisterVersion = 2;
-constexpr double kDegrees = 180 / std::numbers::pi;
 
 const char* nameOf(const scene::PairOutcome& pair) {
     if (pair.isRefused) return "refused by a third scan";

@@ -14,7 +14,11 @@
 #include "scene/scan.h"
 #include "scene/scene.h"
 
+#include <numbers>
+
 namespace app {
+
+inline constexpr double kDegrees = 180 / std::numbers::pi; ///< in a radian: reports give angles in degrees
 
 /// Light as scene.json and keys have it.
 nlohmann::json describeLight(const scene::CaptureLight& light);

@@ -21,8 +21,6 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr double kDegrees = 180 / std::numbers::pi;
-
 /// Folders stand for the pictures in them, in the order of their names.
 std::vector<fs::path> picturesOf(const std::vector<fs::path>& inputs) {
     constexpr const char* kPictures[] = {".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp", ".ppm", ".pgm"};

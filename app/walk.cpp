@@ -29,7 +29,7 @@ volatile std::sig_atomic_t wasAskedToEnd = 0;
 constexpr int kPatientFrames = 600;
 
 /// Images from nearer to each other than this are from one place, metres.
-constexpr double kSamePlace = 1e-3;
+constexpr double kSameStand = 1e-3;
 
 /// The head's pose along a path file.
 xr::Headless::Path pathOf(const std::filesystem::path& file, const scene::Pose& walkFromWorld) {
@@ -112,7 +112,7 @@ Walk::Walk(const scene::Scene& scene, const WalkOptions& options, DeskSide* desk
         const scene::Pose head = scene.walkFromWorld * image.worldFromCamera * scene::headFromCamera();
         // The faces of a cube around a scanner are one place.
         if (surroundings_.captures.empty() ||
-            glm::distance(surroundings_.captures.back().translation, head.translation) > kSamePlace)
+            glm::distance(surroundings_.captures.back().translation, head.translation) > kSameStand)
             surroundings_.captures.push_back(head);
     }
 }

@@ -3,6 +3,10 @@
 function(revisit_library name)
     cmake_parse_arguments(ARG "" "" "SOURCES;LINKS;PRIVATE_LINKS" ${ARGN})
     add_library(${name} STATIC ${ARG_SOURCES})
+    # Highway compiles these several times over by including them; they cannot share a unit with others.
+    set(vectors ${ARG_SOURCES})
+    list(FILTER vectors INCLUDE REGEX "_simd\\.cpp$")
+    set_source_files_properties(${vectors} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
     target_include_directories(${name} PUBLIC ${CMAKE_SOURCE_DIR})
     target_link_libraries(${name} PUBLIC ${ARG_LINKS} PRIVATE revisit_flags ${ARG_PRIVATE_LINKS})
 endfunction()

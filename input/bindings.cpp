@@ -86,7 +86,7 @@ constexpr Binding kMixedReality[] = {
     {Act::undo, RIGHT "menu/click"},
 };
 
-constexpr Binding kHands[] = {
+constexpr Binding kHandInteraction[] = {
     POSES,
     {Act::pick, LEFT "pinch_ext/value"},
     {Act::pick, RIGHT "pinch_ext/value"},
@@ -105,7 +105,7 @@ constexpr Profile kProfiles[] = {
     {"/interaction_profiles/valve/index_controller", "Index", nullptr, kIndex},
     {"/interaction_profiles/htc/vive_controller", "Vive", nullptr, kVive},
     {"/interaction_profiles/microsoft/motion_controller", "Windows Mixed Reality", nullptr, kMixedReality},
-    {"/interaction_profiles/ext/hand_interaction_ext", "bare hands", "XR_EXT_hand_interaction", kHands},
+    {"/interaction_profiles/ext/hand_interaction_ext", "bare hands", "XR_EXT_hand_interaction", kHandInteraction},
 };
 
 struct Named {

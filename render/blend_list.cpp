@@ -10,9 +10,9 @@ namespace render {
 
 namespace {
 
-constexpr std::size_t kDrawsPerTask = 512;
+constexpr std::size_t kBlendedPerTask = 512;
 
-scene::SampleBox boxOf(const TileBounds& bounds, std::uint32_t i) {
+scene::SampleBox samplesOf(const TileBounds& bounds, std::uint32_t i) {
     return {{bounds.xMin[i], bounds.yMin[i], bounds.dMin[i]}, {bounds.xMax[i], bounds.yMax[i], bounds.dMax[i]}};
 }
 
@@ -47,8 +47,8 @@ void chooseBlendDraws(const SceneIndex& scene, std::span<const ChunkPlace> place
             const ResidentTile& tile = tiles[number];
             if (tile.pointCount == 0 || !isWhole(places[tile.chunk])) continue;
             if (hasPolygons && !scene::isMeasured(tile.middle.tier)) continue;
-            const auto spot = scene::blendSpotOf(sources[tile.image].eyeImageFromSource, boxOf(scene.bounds, number),
-                                                 tile.middle, eyeFromCamera, options);
+            const auto spot = scene::blendSpotOf(sources[tile.image].eyeImageFromSource,
+                                                 samplesOf(scene.bounds, number), tile.middle, eyeFromCamera, options);
             if (!spot) continue;
             const float weight = sources[tile.image].share * spot->weight;
             if (unit * weight < 0.5f) continue; // would count nothing anywhere
@@ -80,7 +80,7 @@ void writeBlendDraws(const SceneIndex& scene, std::span<const ChunkPlace> places
                      const BlendList& list, std::span<BlendDraw> draws) {
     const std::vector<ResidentTile>& tiles = scene.tiles;
     const float unit = scene::blendUnitOf(sources.size());
-    const tbb::blocked_range<std::size_t> all(0, list.tiles, kDrawsPerTask);
+    const tbb::blocked_range<std::size_t> all(0, list.tiles, kBlendedPerTask);
     tbb::parallel_for(all, [&](const tbb::blocked_range<std::size_t>& range) {
         for (std::size_t i = range.begin(); i < range.end(); ++i) {
             const ResidentTile& tile = tiles[list.numbers[i]];

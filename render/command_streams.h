@@ -54,6 +54,11 @@ class CommandStreams {
 /// Records commands, submits them and waits until they are done: for what happens once.
 void runAndWait(const Device& device, const std::function<void(VkCommandBuffer)>& recordCommands);
 
+// The stages and accesses of most barriers, by short names.
+inline constexpr VkPipelineStageFlags kCompute = VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT;
+inline constexpr VkPipelineStageFlags kTransfer = VK_PIPELINE_STAGE_TRANSFER_BIT;
+inline constexpr VkAccessFlags kRead = VK_ACCESS_SHADER_READ_BIT, kWrite = VK_ACCESS_SHADER_WRITE_BIT;
+
 /// What was written or read at some stages is finished and visible before others read or write.
 struct Barrier {
     VkPipelineStageFlags fromStages = 0;

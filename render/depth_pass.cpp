@@ -11,14 +11,13 @@ namespace render {
 
 namespace {
 
-constexpr std::array kBindings{Binding::storage, Binding::storage};
-constexpr VkPipelineStageFlags kCompute = VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT;
+constexpr std::array kDepthBindings{Binding::storage, Binding::storage};
 
 } // namespace
 
 DepthPass makeDepthPass(const Device& device) {
     DepthPass pass;
-    pass.layout = makeSetLayout(device, kBindings);
+    pass.layout = makeSetLayout(device, kDepthBindings);
     const std::uint32_t workgroupSize = device.workgroupSize(128);
     pass.pipeline = makeComputePipeline(device, kNearOverDepthCode, std::array<VkDescriptorSetLayout, 1>{pass.layout},
                                         sizeof(EyeDepthConstants), std::array{workgroupSize});
@@ -30,8 +29,8 @@ DepthBuffers makeDepthBuffers(const Device& device, const DepthPass& pass, const
     buffers.nearOverDepth =
         Buffer(device, target.depths.size(), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT,
                MemoryUse::onDevice);
-    buffers.pool = makeSetPool(device, 1, kBindings);
-    const std::array<Bound, kBindings.size()> bound{{{target.depths.handle()}, {buffers.nearOverDepth.handle()}}};
+    buffers.pool = makeSetPool(device, 1, kDepthBindings);
+    const std::array<Bound, kDepthBindings.size()> bound{{{target.depths.handle()}, {buffers.nearOverDepth.handle()}}};
     buffers.set = allocateSet(device, buffers.pool, pass.layout, bound);
     return buffers;
 }

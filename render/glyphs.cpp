@@ -11,7 +11,7 @@ constexpr char kFirst = ' ', kLast = '~';
 
 /// Each glyph from ' ' on as lines through points written x y x y ...; a blank lifts the pen, a point alone twice is a
 /// dot. Corners are cut as an octagon's.
-constexpr std::array<const char*, kLast - kFirst + 1> kLines{
+constexpr std::array<const char*, kLast - kFirst + 1> kGlyphLines{
     "",                                    // blank
     "2024 2626",                           // !
     "1012 3032",                           // "
@@ -130,9 +130,9 @@ std::vector<GlyphStroke> read(const char* lines) {
 
 const std::vector<GlyphStroke>& strokesOf(char letter) {
     static const auto glyphs = [] {
-        std::array<std::vector<GlyphStroke>, kLines.size()> all;
+        std::array<std::vector<GlyphStroke>, kGlyphLines.size()> all;
         for (std::size_t i = 0; i < all.size(); ++i)
-            all[i] = read(kLines[i]);
+            all[i] = read(kGlyphLines[i]);
         return all;
     }();
     const bool isThere = letter >= kFirst && letter <= kLast;

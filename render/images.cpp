@@ -25,8 +25,8 @@ VkImageMemoryBarrier barrierOf(VkImage image, std::uint32_t level, std::uint32_t
     return barrier;
 }
 
-void record(VkCommandBuffer commands, VkPipelineStageFlags from, VkPipelineStageFlags to,
-            const VkImageMemoryBarrier& barrier) {
+void recordLayout(VkCommandBuffer commands, VkPipelineStageFlags from, VkPipelineStageFlags to,
+                  const VkImageMemoryBarrier& barrier) {
     vkCmdPipelineBarrier(commands, from, to, 0, 0, nullptr, 0, nullptr, 1, &barrier);
 }
 
@@ -47,12 +47,11 @@ Sampler makeSampler(const Device& device, VkFilter filter, VkSamplerMipmapMode l
 
 /// From level to level, each half as wide; the last one ends as all others do.
 void recordLevels(VkCommandBuffer commands, const DeviceImage& image, std::uint32_t levels) {
-    constexpr VkPipelineStageFlags kTransfer = VK_PIPELINE_STAGE_TRANSFER_BIT;
     for (std::uint32_t level = 1; level < levels; ++level) {
-        record(commands, kTransfer, kTransfer,
-               barrierOf(image.image, level - 1, 1, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
-                         VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, VK_ACCESS_TRANSFER_WRITE_BIT,
-                         VK_ACCESS_TRANSFER_READ_BIT));
+        recordLayout(commands, kTransfer, kTransfer,
+                     barrierOf(image.image, level - 1, 1, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
+                               VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, VK_ACCESS_TRANSFER_WRITE_BIT,
+                               VK_ACCESS_TRANSFER_READ_BIT));
         VkImageBlit blit{};
         blit.srcSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, level - 1, 0, 1};
         blit.srcOffsets[1] = cornerOf(image, level - 1);
@@ -61,12 +60,14 @@ void recordLevels(VkCommandBuffer commands, const DeviceImage& image, std::uint3
         vkCmdBlitImage(commands, image.image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, image.image,
                        VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &blit, VK_FILTER_LINEAR);
     }
-    record(commands, kTransfer, kTransfer,
-           barrierOf(image.image, levels - 1, 1, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
-                     VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, VK_ACCESS_TRANSFER_WRITE_BIT, VK_ACCESS_TRANSFER_READ_BIT));
-    record(commands, kTransfer, VK_PIPELINE_STAGE_FRAGMENT_SHADER_BIT,
-           barrierOf(image.image, 0, levels, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
-                     VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL, VK_ACCESS_TRANSFER_READ_BIT, VK_ACCESS_SHADER_READ_BIT));
+    recordLayout(commands, kTransfer, kTransfer,
+                 barrierOf(image.image, levels - 1, 1, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
+                           VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, VK_ACCESS_TRANSFER_WRITE_BIT,
+                           VK_ACCESS_TRANSFER_READ_BIT));
+    recordLayout(commands, kTransfer, VK_PIPELINE_STAGE_FRAGMENT_SHADER_BIT,
+                 barrierOf(image.image, 0, levels, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
+                           VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL, VK_ACCESS_TRANSFER_READ_BIT,
+                           VK_ACCESS_SHADER_READ_BIT));
 }
 
 } // namespace
@@ -127,9 +128,9 @@ DeviceImage uploadTexture(const Device& device, const scene::Image<scene::Rgba8>
     const Buffer staging(device, all.size_bytes(), VK_BUFFER_USAGE_TRANSFER_SRC_BIT, MemoryUse::hostWrites);
     std::memcpy(staging.mapped(), all.data(), all.size_bytes());
     runAndWait(device, [&](VkCommandBuffer commands) {
-        record(commands, VK_PIPELINE_STAGE_TOP_OF_PIPE_BIT, VK_PIPELINE_STAGE_TRANSFER_BIT,
-               barrierOf(texture.image, 0, levels, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 0,
-                         VK_ACCESS_TRANSFER_WRITE_BIT));
+        recordLayout(commands, VK_PIPELINE_STAGE_TOP_OF_PIPE_BIT, VK_PIPELINE_STAGE_TRANSFER_BIT,
+                     barrierOf(texture.image, 0, levels, VK_IMAGE_LAYOUT_UNDEFINED,
+                               VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 0, VK_ACCESS_TRANSFER_WRITE_BIT));
         VkBufferImageCopy copy{};
         copy.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
         copy.imageExtent = {static_cast<std::uint32_t>(pixels.width()), static_cast<std::uint32_t>(pixels.height()), 1};

@@ -15,7 +15,7 @@ namespace render {
 namespace {
 
 /// Pixels: nothing is drawn wider or higher.
-constexpr double kWidest = 4096;
+constexpr double kWidestStroke = 4096;
 
 /// A point on the screen.
 struct Seen {
@@ -134,7 +134,7 @@ class StrokeList {
 
 void addSegment(const Segment& segment, const scene::View& eye, double scale, StrokeList& strokes) {
     glm::dvec3 a = inEye(eye, segment.a), b = inEye(eye, segment.b);
-    if (!isFinite(a) || !isFinite(b) || !(segment.widthPixels > 0) || segment.widthPixels > kWidest)
+    if (!isFinite(a) || !isFinite(b) || !(segment.widthPixels > 0) || segment.widthPixels > kWidestStroke)
         return strokes.drop();
     if (a.z < kOverlayNearMetres && b.z < kOverlayNearMetres) return;
     const auto cutAtNear = [](const glm::dvec3& hidden, const glm::dvec3& seen) {
@@ -153,7 +153,7 @@ void addLabel(const Label& label, const scene::View& eye, double scale, StrokeLi
     const glm::dvec3 at = inEye(eye, label.at);
     const double height = label.heightPixels > 0 ? scale * static_cast<double>(label.heightPixels)
                                                  : eye.camera.fy * static_cast<double>(label.heightRadians);
-    if (!isFinite(at) || !(height > 0) || height > kWidest) return strokes.drop();
+    if (!isFinite(at) || !(height > 0) || height > kWidestStroke) return strokes.drop();
     if (at.z < kOverlayNearMetres || label.text.empty()) return;
     const Seen anchor = seenFrom(eye.camera, at);
     const double unit = height / kGlyphHeight;

@@ -14,9 +14,6 @@ namespace {
 
 constexpr std::size_t kFirstBlendDraws = 4096;
 
-constexpr VkPipelineStageFlags kCompute = VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT;
-constexpr VkPipelineStageFlags kTransfer = VK_PIPELINE_STAGE_TRANSFER_BIT;
-constexpr VkAccessFlags kRead = VK_ACCESS_SHADER_READ_BIT, kWrite = VK_ACCESS_SHADER_WRITE_BIT;
 constexpr Barrier kAfterLastFrame{kCompute | kTransfer, kRead | kWrite | VK_ACCESS_TRANSFER_READ_BIT,
                                   kTransfer | kCompute, VK_ACCESS_TRANSFER_WRITE_BIT | kRead | kWrite};
 constexpr Barrier kAfterClear{kTransfer, VK_ACCESS_TRANSFER_WRITE_BIT, kCompute, kRead | kWrite};

@@ -19,7 +19,7 @@ constexpr double kTurnRadians = 0.35; ///< so far beyond the edge counts as look
 constexpr double kReplacedWhole =
     (0.5 - 0.5 * static_cast<double>(kDetailOverlap)) / (1 + static_cast<double>(kDetailBand));
 
-constexpr double kWidest = 64; ///< pixels: wider, nobody can tell more
+constexpr double kMostPixels = 64; ///< pixels: wider, nobody can tell more
 
 /// Half the angle that an eye's picture spans, corner to corner, from the direction of its axis.
 double reachOfView(const scene::Camera& camera) {
@@ -50,12 +50,12 @@ double wantOf(const SceneIndex& index, const IndexedChunk& chunk, const scene::V
                 std::acos(std::clamp(glm::dot(toCentre, eye.worldFromEye.rotation[2]) / distance, -1.0, 1.0));
             isInView = turn - half <= reachOfView(eye.camera) + kTurnRadians;
         } else {
-            pixels = widest = kWidest;
+            pixels = widest = kMostPixels;
         }
     }
     const double warped = widest * quality.resolutionScale;                              // pixels
     if (image.hasCoarser && warped < kReplacedWhole * detailPixelsOf(quality)) return 0; // the coarser level suffices
-    return std::clamp(pixels, 1e-12, kWidest) * (isInView ? kInView : 1);
+    return std::clamp(pixels, 1e-12, kMostPixels) * (isInView ? kInView : 1);
 }
 
 } // namespace

@@ -16,6 +16,11 @@ function(revisit_shader name variable)
         DEPFILE ${header}.d
         COMMENT "Compiling shader ${name}"
         VERBATIM)
+    if(NOT TARGET shader_headers) # all of them, for what reads sources without building (./dev lint)
+        add_custom_target(shader_headers)
+    endif()
+    add_custom_target(header_${name} DEPENDS ${header})
+    add_dependencies(shader_headers header_${name})
     list(APPEND REVISIT_SHADER_HEADERS ${header})
     set(REVISIT_SHADER_HEADERS ${REVISIT_SHADER_HEADERS} PARENT_SCOPE)
 endfunction()

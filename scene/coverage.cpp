@@ -18,26 +18,26 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "coverage.bin is little-endian");
 
-constexpr std::array<char, 8> kMagic{'R', 'V', 'C', 'O', 'V', 'E', 'R', 0};
-constexpr std::uint32_t kVersion = 1, kByteOrderMark = 0x01020304;
-constexpr const char* kRemedy = "the scene is damaged: build it again";
+constexpr std::array<char, 8> kCoverageMagic{'R', 'V', 'C', 'O', 'V', 'E', 'R', 0};
+constexpr std::uint32_t kCoverageVersion = 1, kCoverageByteOrder = 0x01020304;
+constexpr const char* kBuildAgain = "the scene is damaged: build it again";
 
-struct FileHeader {
-    std::array<char, 8> magic = kMagic;
-    std::uint32_t version = kVersion, byteOrderMark = kByteOrderMark;
+struct CoverageHeader {
+    std::array<char, 8> magic = kCoverageMagic;
+    std::uint32_t version = kCoverageVersion, byteOrderMark = kCoverageByteOrder;
     std::array<double, 3> corner{};
     double edge = 0;
     std::uint64_t nodeCount = 0, nodesChecksum = 0;
     std::uint64_t checksum = 0; ///< of all before it
 };
-static_assert(sizeof(FileHeader) == 72);
+static_assert(sizeof(CoverageHeader) == 72);
 
-std::uint64_t checksumOf(std::span<const std::byte> bytes) {
+std::uint64_t bytesChecksum(std::span<const std::byte> bytes) {
     return XXH3_64bits(bytes.data(), bytes.size());
 }
 
-std::uint64_t headerChecksum(const FileHeader& header) {
-    return checksumOf(std::as_bytes(std::span(&header, 1)).first(offsetof(FileHeader, checksum)));
+std::uint64_t headerChecksum(const CoverageHeader& header) {
+    return bytesChecksum(std::as_bytes(std::span(&header, 1)).first(offsetof(CoverageHeader, checksum)));
 }
 
 /// Throws unless the nodes are one tree: a reader may then follow it blindly.
@@ -47,18 +47,18 @@ void checkNodes(const std::vector<CoverageNode>& nodes, const std::filesystem::p
     std::size_t next = 1; // children of each node follow those of the node before
     for (std::size_t i = 0; i < nodes.size(); ++i) {
         const CoverageNode& node = nodes[i];
-        const auto where = [&] { return atByte(path, sizeof(FileHeader) + i * sizeof(CoverageNode)); };
+        const auto where = [&] { return atByte(path, sizeof(CoverageHeader) + i * sizeof(CoverageNode)); };
         if (((node.unseen | node.surface) & node.children) != 0 || (node.unseen & node.surface) != 0)
-            throw Failure("has a cell of two kinds", where(), kRemedy);
+            throw Failure("has a cell of two kinds", where(), kBuildAgain);
         const auto count = static_cast<std::size_t>(std::popcount(node.children));
         if (count == 0) continue;
         if (level[i] == 0 || node.firstChild != next || count > nodes.size() - next)
-            throw Failure("has a node whose children are not where they must be", where(), kRemedy);
-        if (level[i] == kMaxCoverageLevels) throw Failure("has cells that are too small", where(), kRemedy);
+            throw Failure("has a node whose children are not where they must be", where(), kBuildAgain);
+        if (level[i] == kMaxCoverageLevels) throw Failure("has cells that are too small", where(), kBuildAgain);
         std::fill_n(level.begin() + static_cast<std::ptrdiff_t>(next), count, static_cast<std::uint8_t>(level[i] + 1));
         next += count;
     }
-    if (next != nodes.size()) throw Failure("has nodes that belong to none", path, kRemedy);
+    if (next != nodes.size()) throw Failure("has nodes that belong to none", path, kBuildAgain);
 }
 
 void forEachCell(const Coverage& coverage, std::size_t index, double edge,
@@ -125,11 +125,11 @@ double finestCellOf(const Coverage& coverage) {
 void writeCoverage(const Coverage& coverage, const std::filesystem::path& path) {
     const std::span<const std::byte> nodes = std::as_bytes(std::span(coverage.nodes));
     const glm::dvec3& corner = coverage.cornerInWorld;
-    FileHeader header;
+    CoverageHeader header;
     header.corner = {corner.x, corner.y, corner.z};
     header.edge = coverage.edgeMetres;
     header.nodeCount = coverage.nodes.size();
-    header.nodesChecksum = checksumOf(nodes);
+    header.nodesChecksum = bytesChecksum(nodes);
     header.checksum = headerChecksum(header);
     std::ofstream file(path, std::ios::binary | std::ios::trunc);
     file.write(reinterpret_cast<const char*>(&header), sizeof header);
@@ -141,29 +141,29 @@ void writeCoverage(const Coverage& coverage, const std::filesystem::path& path) 
 Coverage readCoverage(const std::filesystem::path& path) {
     const MappedFile file(path);
     const std::span<const std::byte> bytes = file.bytes();
-    if (bytes.size() < sizeof(FileHeader)) throw Failure("is cut off in its header", path, kRemedy);
-    FileHeader header;
+    if (bytes.size() < sizeof(CoverageHeader)) throw Failure("is cut off in its header", path, kBuildAgain);
+    CoverageHeader header;
     std::memcpy(&header, bytes.data(), sizeof header);
-    if (header.magic != kMagic) throw Failure("is not a file of coverage", atByte(path, 0), kRemedy);
-    if (header.version != kVersion)
-        throw Failure("is of version " + std::to_string(header.version) + ", not " + std::to_string(kVersion),
+    if (header.magic != kCoverageMagic) throw Failure("is not a file of coverage", atByte(path, 0), kBuildAgain);
+    if (header.version != kCoverageVersion)
+        throw Failure("is of version " + std::to_string(header.version) + ", not " + std::to_string(kCoverageVersion),
                       atByte(path, 8), "build the scene again with this Revisit");
-    if (header.byteOrderMark != kByteOrderMark || header.checksum != headerChecksum(header))
-        throw Failure("has a damaged header", atByte(path, 12), kRemedy);
+    if (header.byteOrderMark != kCoverageByteOrder || header.checksum != headerChecksum(header))
+        throw Failure("has a damaged header", atByte(path, 12), kBuildAgain);
     Coverage coverage;
     coverage.cornerInWorld = {header.corner[0], header.corner[1], header.corner[2]};
     coverage.edgeMetres = header.edge;
     if (!std::isfinite(header.corner[0]) || !std::isfinite(header.corner[1]) || !std::isfinite(header.corner[2]) ||
         !std::isfinite(header.edge) || header.edge <= 0)
-        throw Failure("has an impossible place", atByte(path, 16), kRemedy);
+        throw Failure("has an impossible place", atByte(path, 16), kBuildAgain);
     const std::span<const std::byte> nodes = bytes.subspan(sizeof header);
     if (header.nodeCount == 0 || nodes.size() % sizeof(CoverageNode) != 0 ||
         header.nodeCount != nodes.size() / sizeof(CoverageNode))
         throw Failure("has " + std::to_string(nodes.size()) + " bytes of nodes instead of " +
                           std::to_string(header.nodeCount) + " times " + std::to_string(sizeof(CoverageNode)),
-                      path, kRemedy);
-    if (header.nodesChecksum != checksumOf(nodes))
-        throw Failure("has damaged nodes", atByte(path, sizeof header), kRemedy);
+                      path, kBuildAgain);
+    if (header.nodesChecksum != bytesChecksum(nodes))
+        throw Failure("has damaged nodes", atByte(path, sizeof header), kBuildAgain);
     coverage.nodes.resize(header.nodeCount);
     std::memcpy(coverage.nodes.data(), nodes.data(), nodes.size());
     checkNodes(coverage.nodes, path);

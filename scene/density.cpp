@@ -11,7 +11,7 @@ namespace {
 
 /// Slopes are taken over a few samples each way, so that noise of single samples does not tilt the surface.
 constexpr int kReach = 3;
-constexpr float kSameSurface = 0.05f;
+constexpr float kSameDepth = 0.05f;
 
 /// Change of disparity per sample along one axis, from the farthest samples of the same surface within reach.
 template <class At>
@@ -20,12 +20,12 @@ float slopeAlong(const At& at, float centre, int below, int above) {
     float low = centre, high = centre;
     for (int i = 1; i <= std::min(kReach, below); ++i) {
         const float d = at(-i);
-        if (d <= 0 || std::abs(d - low) > kSameSurface * centre) break;
+        if (d <= 0 || std::abs(d - low) > kSameDepth * centre) break;
         low = d, first = -i;
     }
     for (int i = 1; i <= std::min(kReach, above); ++i) {
         const float d = at(i);
-        if (d <= 0 || std::abs(d - high) > kSameSurface * centre) break;
+        if (d <= 0 || std::abs(d - high) > kSameDepth * centre) break;
         high = d, last = i;
     }
     return last > first ? (high - low) / static_cast<float>(last - first) : 0.0f;

@@ -2,6 +2,7 @@
 
 #include "scene/camera_json.h"
 #include "scene/errors.h"
+#include "scene/unfinished_file.h"
 
 #include <algorithm>
 #include <cmath>
@@ -19,7 +20,6 @@ namespace {
 
 using nlohmann::json;
 
-constexpr const char* kWriteRemedy = "check that the disk has room and the folder may be written";
 constexpr const char* kReadRemedy = "the file is damaged or not Revisit's: remove it and build the scene again";
 constexpr int kMaxSide = 65536;
 constexpr int kRowsPerStrip = 64;

@@ -16,8 +16,6 @@ namespace scene {
 
 namespace {
 
-constexpr double kTwoPi = 6.283185307179586;
-
 glm::dvec3 colourAt(const SyntheticScene& scene, const glm::dvec3& origin, const glm::dvec3& direction,
                     const std::optional<RayHit>& hit) {
     const SyntheticModel& model = scene.litModel();

@@ -12,7 +12,7 @@ namespace scene {
 
 namespace {
 
-constexpr double kLength = 26.0, kWidth = 2.6, kHeight = 2.9, kBay = 3.25; // metres
+constexpr double kLength = 26.0, kCorridorWidth = 2.6, kCorridorHeight = 2.9, kBay = 3.25; // metres
 constexpr int kBays = 8;
 
 class Corridor {
@@ -44,16 +44,16 @@ class Corridor {
 
   private:
     void addShell() {
-        const double y = kWidth / 2;
+        const double y = kCorridorWidth / 2;
         const int floor = addMaterial(model_, {Pattern::tiles, reflectance(0xb9b2a2), reflectance(0x6e675c), 0.40, 71});
         const int wall = addMaterial(model_, {Pattern::plaster, reflectance(0xe2dccb)});
         const int ceiling =
             addMaterial(model_, {Pattern::tiles, reflectance(0xe9e7e0), reflectance(0xa5a39c), 0.65, 72});
         const int dado = addMaterial(model_, {Pattern::plaster, reflectance(0x6f8f86)});
-        addRectangle(model_, {0, -y, 0}, {kLength, 0, 0}, {0, kWidth, 0}, floor);
-        addRectangle(model_, {0, -y, kHeight}, {0, kWidth, 0}, {kLength, 0, 0}, ceiling);
-        addRectangle(model_, {kLength, -y, 0}, {-kLength, 0, 0}, {0, 0, kHeight}, wall);
-        addRectangle(model_, {0, y, 0}, {kLength, 0, 0}, {0, 0, kHeight}, wall);
+        addRectangle(model_, {0, -y, 0}, {kLength, 0, 0}, {0, kCorridorWidth, 0}, floor);
+        addRectangle(model_, {0, -y, kCorridorHeight}, {0, kCorridorWidth, 0}, {kLength, 0, 0}, ceiling);
+        addRectangle(model_, {kLength, -y, 0}, {-kLength, 0, 0}, {0, 0, kCorridorHeight}, wall);
+        addRectangle(model_, {0, y, 0}, {kLength, 0, 0}, {0, 0, kCorridorHeight}, wall);
         rail_ = addMaterial(model_, {Pattern::grain, reflectance(0x6b4a2e), reflectance(0xa3774b), 1.0, 73});
         dado_ = dado;
     }
@@ -61,17 +61,18 @@ class Corridor {
     /// Pillars at the start of each bay, a door and a panel on each side, a lamp in the ceiling.
     void addBay(int bay) {
         const Pose world;
-        const double x = bay * kBay, y = kWidth / 2;
+        const double x = bay * kBay, y = kCorridorWidth / 2;
         const int stone = bay == 0 ? stone_ = addMaterial(model_, {Pattern::mottled, reflectance(0xb8b0a0),
                                                                    reflectance(0xd8d2c4), 0.25, 74})
                                    : stone_;
         for (const double side : {-1.0, 1.0}) {
             const double in = side * (y - 0.14), wall = side * y;
-            addBox(model_, world, {x + 0.02, std::min(in, wall), 0}, {x + 0.36, std::max(in, wall), kHeight}, stone);
+            addBox(model_, world, {x + 0.02, std::min(in, wall), 0}, {x + 0.36, std::max(in, wall), kCorridorHeight},
+                   stone);
             addBox(model_, world, {x, std::min(in - side * 0.02, wall), 0},
                    {x + 0.38, std::max(in - side * 0.02, wall), 0.16}, rail_);
-            addBox(model_, world, {x, std::min(in - side * 0.02, wall), kHeight - 0.22},
-                   {x + 0.38, std::max(in - side * 0.02, wall), kHeight - 0.12}, rail_);
+            addBox(model_, world, {x, std::min(in - side * 0.02, wall), kCorridorHeight - 0.22},
+                   {x + 0.38, std::max(in - side * 0.02, wall), kCorridorHeight - 0.12}, rail_);
             addDoor(bay, side);
             // Dado panels left and right of the door, with a rail on top.
             for (const glm::dvec2 span : {glm::dvec2(x + 0.39, x + 0.90), glm::dvec2(x + 2.06, x + kBay)}) {
@@ -88,15 +89,19 @@ class Corridor {
                 : lit_;
         const int frame = bay == 0 ? frame_ = addMaterial(model_, {Pattern::plain, glm::dvec3(0.55)}) : frame_;
         const double middle = x + 1.8;
-        addBox(model_, world, {middle - 0.62, -0.17, kHeight - 0.055}, {middle + 0.62, 0.17, kHeight}, frame);
-        addRectangle(model_, {middle - 0.60, -0.15, kHeight - 0.056}, {0, 0.30, 0}, {1.20, 0, 0}, lit);
-        model_.lamps.push_back(
-            {{middle - 0.60, -0.15, kHeight - 0.058}, {0, 0.30, 0}, {1.20, 0, 0}, glm::dvec3(6.4, 6.1, 5.4), false});
+        addBox(model_, world, {middle - 0.62, -0.17, kCorridorHeight - 0.055}, {middle + 0.62, 0.17, kCorridorHeight},
+               frame);
+        addRectangle(model_, {middle - 0.60, -0.15, kCorridorHeight - 0.056}, {0, 0.30, 0}, {1.20, 0, 0}, lit);
+        model_.lamps.push_back({{middle - 0.60, -0.15, kCorridorHeight - 0.058},
+                                {0, 0.30, 0},
+                                {1.20, 0, 0},
+                                glm::dvec3(6.4, 6.1, 5.4),
+                                false});
     }
 
     void addDoor(int bay, double side) {
         const Pose world;
-        const double x = bay * kBay + 1.0, wall = side * kWidth / 2, leafY = wall - side * 0.02;
+        const double x = bay * kBay + 1.0, wall = side * kCorridorWidth / 2, leafY = wall - side * 0.02;
         const bool isLeft = side > 0;
         Material wood{Pattern::door, reflectance(0x74502f), reflectance(0x9a7146), 0.96, 75};
         if (doorMaterial_ < 0) doorMaterial_ = addMaterial(model_, wood);
@@ -115,13 +120,13 @@ class Corridor {
 
     /// One end is a window to the sky, the other a wall with a double door.
     void addEnds() {
-        const double y = kWidth / 2;
+        const double y = kCorridorWidth / 2;
         const Pose world;
         const int wall = addMaterial(model_, {Pattern::plaster, reflectance(0xd7c9a8)});
         const int paint = addMaterial(model_, {Pattern::plain, reflectance(0xf0eee8)});
-        addRectangle(model_, {kLength, y, 0}, {0, -kWidth, 0}, {0, 0, kHeight}, wall,
-                     {{{0.45, 0.9}, {kWidth - 0.45, 2.5}}});
-        addRectangle(model_, {0, -y, 0}, {0, kWidth, 0}, {0, 0, kHeight}, wall);
+        addRectangle(model_, {kLength, y, 0}, {0, -kCorridorWidth, 0}, {0, 0, kCorridorHeight}, wall,
+                     {{{0.45, 0.9}, {kCorridorWidth - 0.45, 2.5}}});
+        addRectangle(model_, {0, -y, 0}, {0, kCorridorWidth, 0}, {0, 0, kCorridorHeight}, wall);
         const double z0 = 0.9, z1 = 2.5, w = y - 0.45;
         addBox(model_, world, {kLength + 0.0005, -w - 0.3, z0 - 0.3}, {kLength + 0.2, w + 0.3, z0}, paint);
         addBox(model_, world, {kLength + 0.0005, -w - 0.3, z1}, {kLength + 0.2, w + 0.3, z1 + 0.3}, paint);
@@ -142,7 +147,7 @@ class Corridor {
 
     /// The few things that are there only once.
     void addThings() {
-        const double y = kWidth / 2;
+        const double y = kCorridorWidth / 2;
         const int red = addMaterial(model_, {Pattern::plain, reflectance(0xb3201c)});
         const int black = addMaterial(model_, {Pattern::plain, glm::dvec3(0.02)});
         for (const double x : {6.02, 18.95}) {
@@ -176,7 +181,7 @@ class Corridor {
         const int sign = addMaterial(model_, {Pattern::stripes, reflectance(0x1c7a45), reflectance(0xe8f3ea), 0.06, 0,
                                               glm::dvec3(0.02, 0.2, 0.08)});
         addBox(model_, Pose{}, {kLength - 1.5, -0.20, 2.55}, {kLength - 1.46, 0.20, 2.72}, sign);
-        addRod(model_, {kLength - 1.48, 0, 2.72}, {kLength - 1.48, 0, kHeight}, 0.01, black);
+        addRod(model_, {kLength - 1.48, 0, 2.72}, {kLength - 1.48, 0, kCorridorHeight}, 0.01, black);
     }
 
     SyntheticModel model_;

@@ -15,7 +15,6 @@ namespace scene {
 
 namespace {
 
-constexpr double kTwoPi = 6.283185307179586;
 constexpr int kLampRays = 16, kMaxNodesAlongEdge = 200;
 constexpr int kRaysOfPass[] = {16, 60}; ///< one gathering for each reflection; the last is what is seen
 constexpr double kLift = 1e-3;          ///< metres a ray starts above its surface

@@ -10,6 +10,7 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,8 @@
 #include <glm/vec3.hpp>
 
 namespace scene {
+
+inline constexpr double kTwoPi = 2 * std::numbers::pi;
 
 /// Light that falls on a surface, on a regular grid over its two parameters in [0, 1]; the colour that a
 /// white surface would show. Sun is not in it.

@@ -17,7 +17,6 @@ namespace scene {
 
 namespace {
 
-constexpr double kTwoPi = 6.283185307179586;
 constexpr double kEyeHeight = 1.6;   // metres: a standing adult
 constexpr double kBobMetres = 0.012; // a head rises and falls by about two centimetres at each step
 constexpr double kStepMetres = 0.7;

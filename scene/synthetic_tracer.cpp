@@ -16,7 +16,6 @@ namespace scene {
 namespace {
 
 constexpr unsigned kPatchGeometry = 0, kMeshGeometry = 1, kRoundGeometry = 2;
-constexpr double kTwoPi = 6.283185307179586;
 
 /// Embree's rays are single precision; round surfaces read the exact rays behind the context that Embree hands
 /// through, each by its number.

@@ -100,13 +100,14 @@ void Runtime::findSystem() {
     check(xrGetSystemProperties(instance_, system_, &properties), "xrGetSystemProperties");
     name_ += std::string(", ") + properties.systemName;
 
-    constexpr XrViewConfigurationType kStereo = XR_VIEW_CONFIGURATION_TYPE_PRIMARY_STEREO;
+    constexpr XrViewConfigurationType kTwoViews = XR_VIEW_CONFIGURATION_TYPE_PRIMARY_STEREO;
     std::uint32_t count = 0;
-    if (xrEnumerateViewConfigurationViews(instance_, system_, kStereo, 0, &count, nullptr) != XR_SUCCESS || count != 2)
+    if (xrEnumerateViewConfigurationViews(instance_, system_, kTwoViews, 0, &count, nullptr) != XR_SUCCESS ||
+        count != 2)
         throw scene::Failure("the headset has no two views, one for each eye", name_,
                              "choose a stereo headset in the runtime's settings");
     std::vector<XrViewConfigurationView> views(count, {XR_TYPE_VIEW_CONFIGURATION_VIEW, nullptr, 0, 0, 0, 0, 0, 0});
-    check(xrEnumerateViewConfigurationViews(instance_, system_, kStereo, count, &count, views.data()),
+    check(xrEnumerateViewConfigurationViews(instance_, system_, kTwoViews, count, &count, views.data()),
           "xrEnumerateViewConfigurationViews");
     for (const XrViewConfigurationView& view : views) {
         width_ = std::max(width_, static_cast<int>(view.recommendedImageRectWidth));

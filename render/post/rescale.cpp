@@ -13,13 +13,13 @@ namespace render {
 
 namespace {
 
-constexpr std::array kBindings{Binding::texels, Binding::texels, Binding::storage, Binding::storage};
+constexpr std::array kRescaleBindings{Binding::texels, Binding::texels, Binding::storage, Binding::storage};
 
 } // namespace
 
 RescalePass makeRescalePass(const Device& device) {
     RescalePass pass;
-    pass.layout = makeSetLayout(device, kBindings);
+    pass.layout = makeSetLayout(device, kRescaleBindings);
     const std::uint32_t workgroupSize = device.workgroupSize(128);
     const std::array<VkDescriptorSetLayout, 1> sets{pass.layout};
     pass.any = makeComputePipeline(device, kRescaleCode, sets, sizeof(RescaleConstants), std::array{workgroupSize});
@@ -32,13 +32,13 @@ ScaledTarget makeScaledTarget(const Device& device, const RescalePass& pass, VkD
     ScaledTarget scaled;
     scaled.target = makeEyeTarget(device, eyeLayout, width, height);
     scaled.pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
-    scaled.pool = makeSetPool(device, 1, kBindings);
+    scaled.pool = makeSetPool(device, 1, kRescaleBindings);
     scaled.colourTexels = makeTexelView(device, scaled.target.colours, VK_FORMAT_R32_UINT);
     scaled.depthTexels = makeTexelView(device, scaled.target.depths, VK_FORMAT_R32_SFLOAT);
-    const std::array<Bound, kBindings.size()> bound{{{scaled.target.colours.handle(), scaled.colourTexels},
-                                                     {scaled.target.depths.handle(), scaled.depthTexels},
-                                                     {eye.colours.handle()},
-                                                     {eye.depths.handle()}}};
+    const std::array<Bound, kRescaleBindings.size()> bound{{{scaled.target.colours.handle(), scaled.colourTexels},
+                                                            {scaled.target.depths.handle(), scaled.depthTexels},
+                                                            {eye.colours.handle()},
+                                                            {eye.depths.handle()}}};
     scaled.set = allocateSet(device, scaled.pool, pass.layout, bound);
     return scaled;
 }

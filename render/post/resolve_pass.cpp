@@ -16,7 +16,6 @@ namespace render {
 
 namespace {
 
-constexpr VkPipelineStageFlags kCompute = VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT;
 constexpr Barrier kBetween{kCompute, VK_ACCESS_SHADER_WRITE_BIT, kCompute,
                            VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT};
 

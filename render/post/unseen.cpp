@@ -15,7 +15,7 @@ namespace render {
 
 namespace {
 
-constexpr std::array kBindings{Binding::texels};
+constexpr std::array kUnseenBindings{Binding::texels};
 
 /// A period of the stripes, measured across them. Wide enough to be told apart at the far side of a room.
 constexpr double kStripeMetres = 0.12;
@@ -29,7 +29,7 @@ constexpr float kSkyDepth = 1e6f;
 
 GpuCoverage::GpuCoverage(const Device& device, const scene::Coverage& coverage)
     : cornerInWorld_(coverage.cornerInWorld), edgeMetres_(coverage.edgeMetres), levels_(scene::levelsOf(coverage)),
-      finestCellMetres_(scene::finestCellOf(coverage)), layout_(makeSetLayout(device, kBindings)) {
+      finestCellMetres_(scene::finestCellOf(coverage)), layout_(makeSetLayout(device, kUnseenBindings)) {
     const std::vector<CoverageTexel> texels = coverageTexels(coverage);
     if (texels.size() > device.limits().maxTexelBufferElements)
         throw scene::Failure("coverage takes " + std::to_string(texels.size()) + " texels, more than the " +
@@ -37,7 +37,7 @@ GpuCoverage::GpuCoverage(const Device& device, const scene::Coverage& coverage)
                              device.name(), "choose another device, or draw with --hide-unseen");
     texels_ = upload(device, std::as_bytes(std::span(texels)), VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT);
     view_ = makeTexelView(device, texels_, VK_FORMAT_R32G32B32A32_UINT);
-    pool_ = makeSetPool(device, 1, kBindings);
+    pool_ = makeSetPool(device, 1, kUnseenBindings);
     set_ = allocateSet(device, pool_, layout_, std::array<Bound, 1>{{{texels_.handle(), view_}}});
 }
 

@@ -13,12 +13,12 @@ namespace render {
 
 namespace {
 
-constexpr std::array kBindings{Binding::storage, Binding::storage};
+constexpr std::array kBlendBindings{Binding::storage, Binding::storage};
 constexpr std::size_t kSumBytes = 16; // of a pixel
 
-constexpr Barrier kAfterClear{VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER_WRITE_BIT,
-                              VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT,
-                              VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT};
+constexpr Barrier kAfterClearedSums{VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER_WRITE_BIT,
+                                    VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT,
+                                    VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT};
 
 } // namespace
 
@@ -28,7 +28,7 @@ BlendPass makeBlendPass(const Device& device, VkDescriptorSetLayout pageLayout, 
     const std::uint32_t size = device.workgroupSize(128);
     const std::uint32_t addSize = togetherFor(device, 128, mostPoints, kMostAddedInTurn);
     BlendPass pass;
-    pass.layout = makeSetLayout(device, kBindings);
+    pass.layout = makeSetLayout(device, kBlendBindings);
     pass.add = makeComputePipeline(device, kBlendCode,
                                    std::array<VkDescriptorSetLayout, 3>{pageLayout, eyeLayout, pass.layout},
                                    sizeof(WarpConstants), std::array{addSize});
@@ -48,10 +48,10 @@ BlendTarget makeBlendTarget(const Device& device, const BlendPass& pass, std::si
     target.mostDraws = maxDraws;
     target.sums = Buffer(device, sumBytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT,
                          MemoryUse::onDevice);
-    target.pool = makeSetPool(device, kFramesInFlight, kBindings);
+    target.pool = makeSetPool(device, kFramesInFlight, kBlendBindings);
     for (std::size_t frame = 0; frame < kFramesInFlight; ++frame) {
         target.draws[frame] = Buffer(device, drawBytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, MemoryUse::hostFeeds);
-        const std::array<Bound, kBindings.size()> bound{{{target.draws[frame].handle()}, {target.sums.handle()}}};
+        const std::array<Bound, kBlendBindings.size()> bound{{{target.draws[frame].handle()}, {target.sums.handle()}}};
         target.sets[frame] = allocateSet(device, target.pool, pass.layout, bound);
     }
     return target;
@@ -61,7 +61,7 @@ void recordBlend(VkCommandBuffer commands, const BlendPass& pass, const GpuScene
                  const BlendTarget& target, std::size_t slot, std::span<const DrawRun> runs, int width, int height) {
     vkCmdFillBuffer(commands, target.sums.handle(), 0,
                     kSumBytes * static_cast<VkDeviceSize>(width) * static_cast<VkDeviceSize>(height), 0);
-    record(commands, kAfterClear);
+    record(commands, kAfterClearedSums);
     const VkPipelineLayout layout = pass.add.layout;
     const std::array sets{eyeSet, target.sets[slot]};
     vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pass.add.pipeline);

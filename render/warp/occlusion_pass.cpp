@@ -14,10 +14,7 @@ namespace render {
 
 namespace {
 
-constexpr VkPipelineStageFlags kCompute = VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT;
-constexpr VkPipelineStageFlags kTransfer = VK_PIPELINE_STAGE_TRANSFER_BIT;
-constexpr VkAccessFlags kRead = VK_ACCESS_SHADER_READ_BIT, kWrite = VK_ACCESS_SHADER_WRITE_BIT;
-constexpr Barrier kAfterWarp{kCompute, kRead | kWrite, kCompute, kRead | kWrite};
+constexpr Barrier kAfterOccludersWarp{kCompute, kRead | kWrite, kCompute, kRead | kWrite};
 constexpr Barrier kBeforeSizes{kCompute | VK_PIPELINE_STAGE_DRAW_INDIRECT_BIT,
                                kRead | kWrite | VK_ACCESS_INDIRECT_COMMAND_READ_BIT, kTransfer,
                                VK_ACCESS_TRANSFER_WRITE_BIT};
@@ -43,7 +40,7 @@ void recordPassing(VkCommandBuffer commands, const OcclusionPass& pass, std::spa
                    const std::function<void()>& recordTest) {
     record(commands, kBeforeSizes);
     vkCmdUpdateBuffer(commands, passedRuns.handle(), 0, none.size_bytes(), none.data());
-    record(commands, kAfterWarp);
+    record(commands, kAfterOccludersWarp);
     const VkPipelineLayout layout = pass.occluders.layout;
     vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pass.occluders.pipeline);
     vkCmdPushConstants(commands, layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof constants, &constants);

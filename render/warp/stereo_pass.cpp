@@ -10,10 +10,10 @@ namespace render {
 
 namespace {
 
-constexpr std::array kBindings{Binding::storage, Binding::storage, Binding::storage};
+constexpr std::array kStereoBindings{Binding::storage, Binding::storage, Binding::storage};
 
 /// Buffers of two eyes and of the pairs: a shader must be able to see them all at once.
-constexpr std::uint32_t kStorageBuffers = 2 * kEyeStorageBuffers + kBindings.size();
+constexpr std::uint32_t kStorageBuffers = 2 * kEyeStorageBuffers + kStereoBindings.size();
 constexpr std::uint32_t kSets = 4;
 
 void use(VkCommandBuffer commands, const ComputePipeline& pipeline, std::span<const VkDescriptorSet> sets) {
@@ -52,7 +52,7 @@ StereoPass makeStereoPass(const Device& device, VkDescriptorSetLayout pageLayout
     constexpr std::uint32_t kMostInTurn = 300;
     const std::uint32_t size = togetherFor(device, 128, mostPoints, kMostInTurn);
     StereoPass pass;
-    pass.layout = makeSetLayout(device, kBindings);
+    pass.layout = makeSetLayout(device, kStereoBindings);
     const std::array<VkDescriptorSetLayout, kSets> sets{pageLayout, eyeLayout, eyeLayout, pass.layout};
     for (std::uint32_t isSplats = 0; isSplats < pass.warps.size(); ++isSplats)
         pass.warps[isSplats] =
@@ -74,7 +74,7 @@ StereoTarget makeStereoTarget(const Device& device, const StereoPass& pass, std:
     target.passedRuns =
         Buffer(device, kMostTestedRuns * sizeof(PassedRun),
                kStorage | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT, MemoryUse::onDevice);
-    target.pool = makeSetPool(device, kFramesInFlight + 1, kBindings);
+    target.pool = makeSetPool(device, kFramesInFlight + 1, kStereoBindings);
     const auto makeSet = [&](const Buffer& pairs) {
         return allocateSet(
             device, target.pool, pass.layout,

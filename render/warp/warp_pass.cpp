@@ -172,9 +172,7 @@ void recordPassed(VkCommandBuffer commands, const WarpPasses& passes, const GpuS
 void recordListed(VkCommandBuffer commands, const WarpPasses& passes, const GpuScene& scene, VkDescriptorSet eyeSet,
                   const EyeTarget& target, std::span<const DrawRun> runs, int width, int height) {
     constexpr VkAccessFlags kBoth = VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT;
-    constexpr VkPipelineStageFlags kCompute = VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT,
-                                   kTransfer = VK_PIPELINE_STAGE_TRANSFER_BIT,
-                                   kIndirect = VK_PIPELINE_STAGE_DRAW_INDIRECT_BIT;
+    constexpr VkPipelineStageFlags kIndirect = VK_PIPELINE_STAGE_DRAW_INDIRECT_BIT;
     constexpr Barrier kAfterListing{kCompute | kIndirect, kBoth, kTransfer,
                                     VK_ACCESS_TRANSFER_READ_BIT | VK_ACCESS_TRANSFER_WRITE_BIT};
     constexpr Barrier kBeforeDrawing{kCompute | kTransfer, kBoth | VK_ACCESS_TRANSFER_WRITE_BIT, kCompute | kIndirect,

@@ -11,7 +11,6 @@ namespace scene {
 
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kBroadestSigma = 0.5 * kDegree;       ///< of the levels, in the middle of the picture
 constexpr double kMostDeviationFound = 0.25 * kDegree; ///< beyond, a top is no place but a ridge
 constexpr double kFinestSigmaPixels = 1.2;

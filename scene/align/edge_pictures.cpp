@@ -17,15 +17,16 @@ constexpr int kDiffusionSteps = 12;
 constexpr double kPhotographSigma = 0.8, kRangeSigma = 1.0, kReflectanceSigma = 1.0, kCreaseSigma = 1.6,
                  kTextureSigma = 1.5; ///< pixels
 constexpr int kSurface = 9,
-              kAbout = 13; ///< pixels across: of what is no edge but a surface; of the disparity to compare with
-constexpr int kRim = 9;    ///< pixels across: of what is left out where range ends in nothing
+              kSurfacePixels =
+                  13;       ///< pixels across: of what is no edge but a surface; of the disparity to compare with
+constexpr int kOpenRim = 9; ///< pixels across: of what is left out where range ends in nothing
 constexpr float kTimesUsual = 2.2f;   ///< so many times the usual slope an edge counts half
 constexpr float kLeastColourStep = 3; ///< a pixel, of 255
 constexpr float kLeastTextureStep = 0.3f;
 constexpr float kLeastGreyStep = 3;      ///< the same of evened reflectance
 constexpr float kLeastRangeStep = 8e-3f; ///< of disparity, relative, a pixel
 constexpr float kLeastBend = 2e-3f;      ///< second difference, relative
-constexpr double kBroad = 4;             ///< times a level's sigma: what is taken off
+constexpr double kEdgeBroad = 4;         ///< times a level's sigma: what is taken off
 
 cv::Mat3f matOf(const EdgeImage& image) {
     // OpenCV has no pictures that are lent for reading alone; nothing writes to this one.
@@ -96,7 +97,7 @@ cv::Mat3f edgesOf(const cv::Mat3f& slopes, float least, const cv::Mat1b& mask = 
 /// The greatest disparity about each pixel, so far that edges fade out before it changes.
 cv::Mat1f greatestAbout(const cv::Mat1f& disparity) {
     cv::Mat1f greatest;
-    cv::dilate(disparity, greatest, cv::Mat::ones(kAbout, kAbout, CV_8U));
+    cv::dilate(disparity, greatest, cv::Mat::ones(kSurfacePixels, kSurfacePixels, CV_8U));
     cv::max(greatest, cv::Scalar(1e-6), greatest);
     return greatest;
 }
@@ -224,7 +225,7 @@ EdgeImage withoutOpenRims(const EdgeImage& edges, const DepthImage& scan) {
     for (int y = 0; y < isOpen.rows; ++y)
         for (int x = 0; x < isOpen.cols; ++x)
             isOpen(y, x) = isSurface(scan.flags(x, y)) ? 0 : 255;
-    cv::dilate(isOpen, near, cv::Mat::ones(kRim, kRim, CV_8U));
+    cv::dilate(isOpen, near, cv::Mat::ones(kOpenRim, kOpenRim, CV_8U));
     EdgeImage inside = edges;
     for (int y = 0; y < isOpen.rows; ++y)
         for (int x = 0; x < isOpen.cols; ++x)
@@ -248,7 +249,7 @@ EdgeLevel blurredEdges(const EdgeImage& edges, double sigmaPixels) {
     }
     const double sigma = sigmaPixels / level.pixelsPerPixel;
     cv::GaussianBlur(picture, fine, {}, sigma);
-    cv::GaussianBlur(picture, broad, {}, kBroad * sigma);
+    cv::GaussianBlur(picture, broad, {}, kEdgeBroad * sigma);
     fine -= broad;
     double squares = 0;
     for (int y = 0; y < fine.rows; ++y)

@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kLevels = 3;           ///< of greys
 constexpr float kOneSurface = 0.04f; ///< relative difference of disparity: more within a square is a silhouette
-constexpr int kBroad = 8;            ///< pixels of a level, each way: the mean over so many is what is broad
+constexpr int kBroadPixels = 8;      ///< pixels of a level, each way: the mean over so many is what is broad
 constexpr int kNoise = 1; ///< the same, twice: what is finer is noise, whose slopes would hold poses where they are
 constexpr double kDark = 0.02; ///< of full light: below it differences are noise
 
@@ -93,7 +93,7 @@ ImageSketch sketchOf(const DepthImage& image, int shrink) {
     for (int level = 0; level < kLevels; ++level) {
         if (level > 0) grey = halved(grey);
         Image<float> fine = blurred(blurred(grey, kNoise), kNoise);
-        const Image<float> broad = blurred(grey, kBroad);
+        const Image<float> broad = blurred(grey, kBroadPixels);
         for (std::size_t i = 0; i < fine.size(); ++i)
             fine.pixels()[i] -= broad.pixels()[i];
         sketch.greys.push_back(std::move(fine));

@@ -16,8 +16,8 @@ namespace scene {
 namespace {
 
 /// What no number of samples averages out: surfaces are not planes, and instruments have faults of their own.
-constexpr double kSystematicMetres = 0.0005;
-constexpr double kRobustDeviations = 3.0;
+constexpr double kPlaneSystematicMetres = 0.0005;
+constexpr double kPlaneRobustDeviations = 3.0;
 /// A direction in which a pose is known no better is not held: planes leave it open.
 constexpr double kHeldMetres = 0.05, kHeldRadians = 0.02;
 
@@ -31,7 +31,7 @@ struct WorldPlane {
     double offset = 0;
 };
 
-Eigen::Vector3d eigenOf(const glm::dvec3& v) {
+Eigen::Vector3d eigenVector(const glm::dvec3& v) {
     return {v.x, v.y, v.z};
 }
 
@@ -70,7 +70,7 @@ double weightOf(const ScanPlane& plane, double looseMetres) {
     // Small and rough pieces are often no planes at all: leaves, cushions, the rounded and the cluttered.
     const double deviation = plane.offsetDeviation(), area = std::max(plane.areaSquareMetres, 1e-3);
     const double systematic =
-        kSystematicMetres * kSystematicMetres * (1 + 1 / area) + std::pow(plane.noiseMetres / 12, 2) / area;
+        kPlaneSystematicMetres * kPlaneSystematicMetres * (1 + 1 / area) + std::pow(plane.noiseMetres / 12, 2) / area;
     return 1 / std::sqrt(deviation * deviation + systematic + looseMetres * looseMetres);
 }
 
@@ -87,7 +87,7 @@ WorldPlane meanOf(const SharedPlane& shared, const std::vector<const std::vector
         offset += weight * glm::dot(normal, poses[seen.scan] * plane.middle);
         sum += weight;
     }
-    return {eigenOf(normal), offset / sum};
+    return {eigenVector(normal), offset / sum};
 }
 
 PoseDeviation deviationOf(const Eigen::Matrix<double, 6, 6>& covariance) {
@@ -108,7 +108,7 @@ JointResult adjustJointly(const std::vector<const std::vector<ScanPlane>*>& plan
     std::vector<ScannerPose> poses;
     for (const Pose& pose : worldFromScanners) {
         const glm::dvec4 q = quaternionOf(pose);
-        poses.push_back({Eigen::Quaterniond(q.w, q.x, q.y, q.z), eigenOf(pose.translation)});
+        poses.push_back({Eigen::Quaterniond(q.w, q.x, q.y, q.z), eigenVector(pose.translation)});
     }
     std::vector<WorldPlane> planes;
     for (const SharedPlane& plane : shared)
@@ -125,9 +125,10 @@ JointResult adjustJointly(const std::vector<const std::vector<ScanPlane>*>& plan
         problem.AddParameterBlock(planes[k].normal.data(), 3, new ceres::SphereManifold<3>);
         for (const SharedPlane::Seen& seen : shared[k].seen) {
             const ScanPlane& plane = (*planesOfScan[seen.scan])[seen.plane];
-            auto* residual = new PlaneResidual{eigenOf(plane.middle), spreadOf(plane), weightOf(plane, looseMetres)};
+            auto* residual =
+                new PlaneResidual{eigenVector(plane.middle), spreadOf(plane), weightOf(plane, looseMetres)};
             problem.AddResidualBlock(new ceres::AutoDiffCostFunction<PlaneResidual, 4, 4, 3, 3, 1>(residual),
-                                     new ceres::CauchyLoss(kRobustDeviations),
+                                     new ceres::CauchyLoss(kPlaneRobustDeviations),
                                      poses[seen.scan].worldFromScanner.coeffs().data(),
                                      poses[seen.scan].translation.data(), planes[k].normal.data(), &planes[k].offset);
         }
@@ -148,7 +149,7 @@ JointResult adjustJointly(const std::vector<const std::vector<ScanPlane>*>& plan
         for (const SharedPlane::Seen& seen : shared[k].seen) {
             const ScanPlane& plane = (*planesOfScan[seen.scan])[seen.plane];
             const ScannerPose& pose = poses[seen.scan];
-            const Eigen::Vector3d middle = pose.worldFromScanner * eigenOf(plane.middle) + pose.translation;
+            const Eigen::Vector3d middle = pose.worldFromScanner * eigenVector(plane.middle) + pose.translation;
             const double off = planes[k].normal.dot(middle) - planes[k].offset;
             const Eigen::Vector3d tilts = spreadOf(plane) * (pose.worldFromScanner.conjugate() * planes[k].normal);
             squares += off * off + tilts.squaredNorm();
@@ -163,7 +164,7 @@ JointResult adjustJointly(const std::vector<const std::vector<ScanPlane>*>& plan
         for (const SharedPlane::Seen& seen : shared[k].seen) {
             const ScanPlane& plane = (*planesOfScan[seen.scan])[seen.plane];
             const ScannerPose& pose = poses[seen.scan];
-            const Eigen::Vector3d arm = pose.worldFromScanner * eigenOf(plane.middle);
+            const Eigen::Vector3d arm = pose.worldFromScanner * eigenVector(plane.middle);
             const double weight = weightOf(plane, looseMetres);
             Eigen::Matrix<double, 6, 1> row;
             row << arm.cross(planes[k].normal), planes[k].normal;

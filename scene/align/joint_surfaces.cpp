@@ -15,14 +15,14 @@ namespace scene {
 
 namespace {
 
-constexpr double kFacing = 0.975; ///< cosine between two surfaces that may be one
+constexpr double kSurfacesFacing = 0.975; ///< cosine between two surfaces that may be one
 constexpr double kSettledMetres = 1e-6, kSettledRadians = 1e-6;
 constexpr double kWorthMetres = 4.0; ///< from there on cells count less: they are wide, and noise rises
 /// Neighbouring cells share their faults (window, surface, instrument): deviations are this many times those of
 /// independent ones. Set by the errors that tests/bench/registration_study.cpp finds.
 constexpr double kDependence = 6.0;
 /// A direction in which a pose is known no better is not held.
-constexpr double kHeldMetres = 0.02, kHeldRadians = 0.01;
+constexpr double kHeldSurfaceMetres = 0.02, kHeldSurfaceRadians = 0.01;
 
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
@@ -48,7 +48,7 @@ void compare(const Panorama& from, const Panorama& to, const Pose& worldFromFrom
             const PanoramaCell* seen = to.find(p);
             if (!seen || seen->samples == 0 || seen->normal == glm::vec3(0)) continue;
             const glm::dvec3 normal(seen->normal), other = toFromFrom.rotation * glm::dvec3(cell.normal);
-            if (glm::dot(normal, other) < kFacing) continue;
+            if (glm::dot(normal, other) < kSurfacesFacing) continue;
             // Along the mean of both normals: neither scan's noise leans on the other.
             const glm::dvec3 both = glm::normalize(normal + other);
             const double distance = glm::dot(both, p - glm::dvec3(seen->point));
@@ -156,7 +156,7 @@ JointResult layOnSurfaces(const std::vector<const Panorama*>& panoramas,
         if (i != fixed) {
             result.deviations[i] = deviationOf(covariance.block<6, 6>(at, at), poses[i].translation);
             const PoseDeviation& d = result.deviations[i];
-            if (!(d.metres < kHeldMetres && d.radians < kHeldRadians)) result.isHeld = false;
+            if (!(d.metres < kHeldSurfaceMetres && d.radians < kHeldSurfaceRadians)) result.isHeld = false;
             result.deviations[i].loosest = worldFromFixed.rotation * d.loosest;
         }
         result.worldFromScanners.push_back(worldFromFixed * poses[i]);

@@ -19,11 +19,10 @@ namespace scene {
 
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
-constexpr double kSamePlaceMetres = 0.003; ///< from farther apart near things would be seen to shift
-constexpr double kInside = 0.04;           ///< of the neighbour's width: edges so near to its rim are left out
-constexpr int kLeastRays = 150;            ///< that two photographs must share to be searched for each other
-constexpr std::size_t kMostTops = 4;       ///< of that search, which are looked at closely
+constexpr double kSameCentreMetres = 0.003; ///< from farther apart near things would be seen to shift
+constexpr double kInside = 0.04;            ///< of the neighbour's width: edges so near to its rim are left out
+constexpr int kLeastRays = 150;             ///< that two photographs must share to be searched for each other
+constexpr std::size_t kMostTops = 4;        ///< of that search, which are looked at closely
 /// What deviations of pairs never fall below: lenses that are not quite known, and edges that light draws.
 constexpr double kLeastPair = 0.003 * kDegree;
 /// Times what the jackknife says, of a photograph that the scan says too little of.
@@ -146,7 +145,7 @@ class Neighbours {
         for (std::size_t a = 0; a < photographs.size(); ++a)
             for (std::size_t b = a + 1; b < photographs.size(); ++b)
                 if (glm::distance(photographs[a].scannerFromGiven.translation,
-                                  photographs[b].scannerFromGiven.translation) <= kSamePlaceMetres)
+                                  photographs[b].scannerFromGiven.translation) <= kSameCentreMetres)
                     open_.push_back({a, b, false});
     }
 

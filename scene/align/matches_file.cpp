@@ -17,7 +17,7 @@ using nlohmann::json;
 
 constexpr double kOnPlaneMetres = 0.1; ///< a place that was picked by hand is so near to its plane
 constexpr int kAboutCells = 3;
-constexpr double kLeastAgreeing = 0.03; ///< of what either saw, with planes that a person matched
+constexpr double kLeastMatchedAgreeing = 0.03; ///< of what either saw, with planes that a person matched
 constexpr const char* kForm =
     R"(write {"matches": [{"a": "NAME", "b": "NAME", "planes": [{"a": [x, y, z], "b": [x, y, z]}, ...]}]})";
 
@@ -108,7 +108,7 @@ PairResult pairFromMatches(const std::vector<ScanView>& scans, const GivenMatche
     result.plausible = {result.best.aFromB};
     result.isDecidedByGivenPose = true;
     // A person's word stands for what cannot be decided, not for what cannot be.
-    if (result.best.evidence.agreeing < kLeastAgreeing)
+    if (result.best.evidence.agreeing < kLeastMatchedAgreeing)
         result.verdict = PairVerdict::apart;
     else if (result.best.evidence.againstShare() > options.mostAgainstShareGiven)
         result.verdict = PairVerdict::contradicted;

@@ -19,14 +19,15 @@ constexpr std::array kSigmas{16, 8, 4, 2, 1}; ///< pixels
 /// From this one on levels say where exactly. Broader ones show how surfaces are lit, too, and that looks elsewhere to
 /// another lens or another exposure.
 constexpr std::size_t kFirstFine = 1;
-constexpr double kBroad = 2;                  ///< times a level's sigma: what is taken off
-constexpr double kRim = 0.02, kRimSigmas = 2; ///< of the width; of the broad blur. What lies beyond a rim is made up
-constexpr double kLeastShared = 0.02;         ///< of the picture
+constexpr double kBroad = 2; ///< times a level's sigma: what is taken off
+constexpr double kRimShare = 0.02,
+                 kRimSigmas = 2;              ///< of the width; of the broad blur. What lies beyond a rim is made up
+constexpr double kLeastSharedArea = 0.02;     ///< of the picture
 constexpr double kFarthest = 0.035;           ///< radians from the start: beyond it has gone astray
 constexpr int kSteps = 8;                     ///< at most, with each further level
 constexpr double kStill = 0.01;               ///< of the finest pixel: it moves no more
 constexpr int kLeastPixels = 30;              ///< of a part on a level
-constexpr double kLeastCorrelation = 0.1;     ///< of a part on a level that has any say
+constexpr double kLeastPartCorrelation = 0.1; ///< of a part on a level that has any say
 /// Of the slopes along a direction, what both pictures must have in common for it to be held.
 constexpr double kLeastCommonSlope = 0.1;
 constexpr double kByChance = 4;  ///< over the root of how many pixels: noise has so much in common, being blurred
@@ -58,18 +59,18 @@ struct SlopeSums {
 };
 
 /// What a part of a level says at a turn.
-struct Sums {
+struct CorrelationSums {
     SlopeSums slopes;
     double aa = 0, ab = 0, bb = 0, squares = 0;
 
     double correlation() const { return aa > 0 && bb > 0 ? ab / std::sqrt(aa * bb) : 0; }
     double weight() const {
-        const double common = correlation() - kLeastCorrelation;
+        const double common = correlation() - kLeastPartCorrelation;
         return slopes.count >= kLeastPixels && common > 0 && squares > 0 ? common * common * slopes.count / squares : 0;
     }
 };
 
-using LevelSums = std::array<Sums, kParts>;
+using LevelSums = std::array<CorrelationSums, kParts>;
 
 struct Box {
     double left = 1e9, right = -1e9, top = 1e9, bottom = -1e9;
@@ -94,7 +95,8 @@ void forShared(const GreyLevels& a, const GreyLevels& b, std::size_t level, cons
     const GreyLevel& from = a.levels[level];
     const int n = from.pixelsPerPixel;
     const double beside = kRimSigmas * kBroad * kSigmas[level];
-    const double rimA = std::max(kRim * a.camera.width, beside), rimB = std::max(kRim * b.camera.width, beside);
+    const double rimA = std::max(kRimShare * a.camera.width, beside),
+                 rimB = std::max(kRimShare * b.camera.width, beside);
     for (int y = 0; y < from.grey.height(); ++y)
         for (int x = 0; x < from.grey.width(); ++x) {
             const double u = (x + 0.5) * n, v = (y + 0.5) * n;
@@ -141,7 +143,7 @@ LevelSums sumsOf(const GreyLevels& a, const GreyLevels& b, std::size_t level, co
                      dy = static_cast<double>(from(x, below) - from(x, above)) / (below - above);
         const Eigen::Vector3d slopeA =
             scale * (toB * slopeOf(a.camera, 1.0 / a.levels[level].pixelsPerPixel, aFromB * ray, dx, dy));
-        Sums& sums = parts[static_cast<std::size_t>(box.partOf(at))];
+        CorrelationSums& sums = parts[static_cast<std::size_t>(box.partOf(at))];
         sums.slopes.common += weight * slopeA * slopeB.transpose();
         sums.slopes.separate += 0.5 * weight * (slopeA * slopeA.transpose() + slopeB * slopeB.transpose());
         sums.slopes.slope += weight * residual * slopeA;
@@ -218,7 +220,7 @@ class Descent {
             box_.hold(at);
             ++count;
         });
-        return count > kLeastShared * static_cast<double>(a_.levels[1].grey.size());
+        return count > kLeastSharedArea * static_cast<double>(a_.levels[1].grey.size());
     }
 
     enum class Descended { held, open, astray };
@@ -230,7 +232,7 @@ class Descent {
             look(first, end);
             SlopeSums all;
             for (std::size_t level = first; level < end; ++level)
-                for (const Sums& sums : said[level])
+                for (const CorrelationSums& sums : said[level])
                     all.add(sums.slopes, sums.weight());
             const auto directions = directionsOf(all);
             if (!directions) return Descended::open;
@@ -248,7 +250,7 @@ class Descent {
         for (std::size_t level = first; level < end; ++level) {
             said[level] = sumsOf(a_, b_, level, matrixOf(turn) * bFromA_, box_, scales_[level], usual_[level]);
             double aa = 0, bb = 0, squares = 0, count = 0;
-            for (const Sums& sums : said[level])
+            for (const CorrelationSums& sums : said[level])
                 aa += sums.aa, bb += sums.bb, squares += sums.squares, count += sums.slopes.count;
             // Of two pictures with the same noise neither is the truth.
             if (aa > 0 && bb > 0) scales_[level] = std::sqrt(bb / aa);
@@ -317,7 +319,7 @@ std::optional<NeighbourTurn> layOnNeighbour(const GreyLevels& a, const GreyLevel
     SlopeSums all;
     const auto fine = std::span(descent.said).subspan(kFirstFine);
     for (const LevelSums& level : fine) {
-        Sums whole;
+        CorrelationSums whole;
         for (std::size_t part = 0; part < level.size(); ++part) {
             const double weight = level[part].weight();
             slopes[part].add(level[part].slopes, weight), all.add(level[part].slopes, weight);
@@ -333,7 +335,7 @@ std::optional<NeighbourTurn> layOnNeighbour(const GreyLevels& a, const GreyLevel
     for (std::size_t part = 0; part < slopes.size(); ++part) {
         double best = 0, deviation = 0;
         for (const LevelSums& level : fine) {
-            const Sums& sums = level[part];
+            const CorrelationSums& sums = level[part];
             if (sums.slopes.count < kLeastPixels) continue;
             best = std::max(best, sums.correlation());
             deviation = std::max(deviation, std::sqrt(sums.bb / sums.slopes.count));

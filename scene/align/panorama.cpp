@@ -28,7 +28,7 @@ constexpr int kDenseSamples = 4;
 /// Samples of one surface in a cell lie this near to each other, metres and relatively.
 constexpr double kSameMetres = 0.03, kSameShare = 0.02;
 /// A window is smooth if its points leave their plane by less, metres and in widths of a cell.
-constexpr double kRoughMetres = 0.012, kRoughWidths = 0.35;
+constexpr double kRoughnessMetres = 0.012, kRoughnessWidths = 0.35;
 
 /// std::atan2 to 2e-8 radians, for a quarter of its time: registration asks for little else. Not for (0, 0).
 double angleOf(double y, double x) {
@@ -43,7 +43,7 @@ double angleOf(double y, double x) {
     return y < 0 ? -angle : angle;
 }
 
-struct Sums {
+struct CellSums {
     Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     int count = 0;
@@ -65,7 +65,7 @@ void findNormal(Panorama& panorama, int x, int y) {
     const int down = static_cast<int>(step),
               across =
                   std::min(static_cast<int>(step / std::max(panorama.weightOf(y), 0.05)), panorama.width() / kWindow);
-    Sums sums;
+    CellSums sums;
     for (int dy = -kWindow; dy <= kWindow; ++dy)
         for (int dx = -kWindow; dx <= kWindow; ++dx) {
             const int row = y + dy * down, column = (x + dx * across + panorama.width()) % panorama.width();
@@ -82,7 +82,8 @@ void findNormal(Panorama& panorama, int x, int y) {
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(
         Eigen::Matrix3d(sums.squares / sums.count - mean * mean.transpose()));
     const double rough = std::sqrt(std::max(solver.eigenvalues()[0], 0.0));
-    if (rough > kRoughMetres + kRoughWidths * width * down || solver.eigenvalues()[1] < 4 * solver.eigenvalues()[0])
+    if (rough > kRoughnessMetres + kRoughnessWidths * width * down ||
+        solver.eigenvalues()[1] < 4 * solver.eigenvalues()[0])
         return;
     const Eigen::Vector3d n = solver.eigenvectors().col(0);
     const glm::dvec3 normal(n.x(), n.y(), n.z());

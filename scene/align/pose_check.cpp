@@ -12,7 +12,7 @@ namespace scene {
 
 namespace {
 
-constexpr double kSameNormal = 0.8;  ///< cosine
+constexpr double kComparableNormal = 0.8; ///< cosine
 constexpr double kMixedShare = 0.04; ///< of range: cells whose samples spread more lie at a silhouette, and say nothing
 
 struct Tally {
@@ -54,7 +54,8 @@ void compare(const Panorama& from, const Panorama& to, const Pose& toFromFrom, c
                 if (seen.normal == glm::vec3(0)) continue;
                 const glm::dvec3 normal = toFromFrom.rotation * glm::dvec3(asked[static_cast<std::size_t>(i)]->normal);
                 const double off = glm::dot(glm::dvec3(seen.normal), p - glm::dvec3(seen.point));
-                if (glm::dot(glm::dvec3(seen.normal), normal) < kSameNormal || std::abs(off) > tolerance) continue;
+                if (glm::dot(glm::dvec3(seen.normal), normal) < kComparableNormal || std::abs(off) > tolerance)
+                    continue;
                 tally.agreeing += weight;
                 tally.cells += 1;
                 tally.squares += off * off;

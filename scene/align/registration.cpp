@@ -15,7 +15,7 @@ namespace scene {
 
 namespace {
 
-constexpr double kSamePlaceMetres = 0.02;
+constexpr double kSameScannerMetres = 0.02;
 constexpr double kOtherUnits =
     50; ///< times the range of another scan: millimetres, or feet and miles, not a larger room
 /// Scans of a group contradict each other if as much of what both saw cannot be. More than for a pair alone: errors of
@@ -314,7 +314,7 @@ Registration joinScans(const std::vector<ScanView>& scans, std::vector<PairOutco
                         "': one axis of the one or of the other is turned round, export both with right-handed axes";
     }
     for (const PairOutcome& pair : registration.pairs)
-        if (pair.isUsed && glm::length(pair.result.best.aFromB.translation) < kSamePlaceMetres)
+        if (pair.isUsed && glm::length(pair.result.best.aFromB.translation) < kSameScannerMetres)
             registration.remarks.push_back("Scans '" + scans[pair.a].name + "' and '" + scans[pair.b].name +
                                            "' were taken from the same place.");
     return registration;

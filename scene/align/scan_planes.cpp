@@ -20,7 +20,7 @@ constexpr double kKeptDeviations = 2.5;                       ///< samples farth
 constexpr int kFits = 3;
 constexpr int kLongestGap = 3; ///< cells from one to its neighbour
 
-struct Sums {
+struct RegionSums {
     glm::dmat3 squares{0.0};
     glm::dvec3 sum{0.0};
     double count = 0;
@@ -30,7 +30,7 @@ struct Sums {
         sum += p;
         count += 1;
     }
-    void add(const Sums& other) {
+    void add(const RegionSums& other) {
         squares += other.squares;
         sum += other.sum;
         count += other.count;
@@ -38,7 +38,7 @@ struct Sums {
 };
 
 /// The plane of least squares; false if the points have none.
-bool fit(const Sums& sums, ScanPlane& plane) {
+bool fit(const RegionSums& sums, ScanPlane& plane) {
     if (sums.count < 3) return false;
     plane.middle = sums.sum / sums.count;
     plane.covariance = sums.squares / sums.count - glm::outerProduct(plane.middle, plane.middle);
@@ -58,7 +58,7 @@ bool fit(const Sums& sums, ScanPlane& plane) {
 
 struct Region {
     std::vector<int> cells; ///< indices into the panorama
-    Sums sums;
+    RegionSums sums;
     ScanPlane plane;
 };
 
@@ -196,7 +196,7 @@ void fitToSamples(const Scan& scan, const Panorama& panorama, std::vector<ScanPl
     for (std::size_t i = 0; i < planes.size(); ++i)
         bounds[i] = std::max(3 * planes[i].noiseMetres, 0.02);
     for (int pass = 0; pass < kFits; ++pass) {
-        std::vector<Sums> sums(planes.size());
+        std::vector<RegionSums> sums(planes.size());
         for (const glm::vec3& point : scan.pointsInScanner) {
             const glm::dvec3 p(point);
             const PanoramaCell* cell = panorama.find(p);

@@ -29,7 +29,7 @@ constexpr int kPanoramaRows = 180;
 /// What samples do not tell of the mirror's distance. Range along glancing surfaces is no straight line within a
 /// position of the encoder: 2 mm. And noise has a say in what counts as part of a plane: found 4 to 6 mm too great
 /// where samples leave planes by 15 mm (docs/building.md).
-constexpr double kSystematicMetres = 0.002, kSystematicOfNoise = 0.3;
+constexpr double kRangeSystematicMetres = 0.002, kSystematicOfNoise = 0.3;
 /// Metres; none at all would be believed too much. And of how many patches both faces say how uneven a plane is.
 constexpr double kLeastUneven = 0.0001, kUsuallyUneven = 0.001;
 constexpr int kLeastShared = 10;
@@ -407,7 +407,7 @@ ScannerCalibration calibrateScanner(std::size_t scans, const std::function<Scan(
     }
     result.constants = constantsOf(constants);
     result.deviations = constantsOf(deviationsOf(sightings, constants));
-    result.deviations.mirrorMetres = std::hypot(result.deviations.mirrorMetres, kSystematicMetres,
+    result.deviations.mirrorMetres = std::hypot(result.deviations.mirrorMetres, kRangeSystematicMetres,
                                                 kSystematicOfNoise * medianNoiseOf(sightings.planes));
     result.planes = static_cast<int>(sightings.planes.size());
     result.samples = std::ssize(sightings.taken);

@@ -13,7 +13,6 @@ namespace scene {
 
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kLeastStep = 0.002 * kDegree;
 constexpr double kGridStep = 0.4 * kDegree; ///< between turns that are tried first
 constexpr double kApart = 0.8 * kDegree;    ///< of these, such that climb by themselves

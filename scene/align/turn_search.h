@@ -6,12 +6,15 @@
 
 #include <array>
 #include <functional>
+#include <numbers>
 #include <optional>
 #include <vector>
 
 #include <Eigen/Core>
 
 namespace scene {
+
+inline constexpr double kDegree = std::numbers::pi / 180; ///< in radians
 
 /// A rotation by its axis and angle, radians, about the camera's axes: x and y look elsewhere, z rolls.
 using Turn = Eigen::Vector3d;

@@ -16,7 +16,7 @@ namespace {
 
 constexpr float kMostLooks = 8; ///< along the longer side of a footprint
 
-glm::vec3 linearOf(const Rgb8& c) {
+glm::vec3 linearColour(const Rgb8& c) {
     return {linearFromSrgb(c.r), linearFromSrgb(c.g), linearFromSrgb(c.b)};
 }
 
@@ -28,7 +28,7 @@ Weighted weightedOf(const Image<Rgba8>& picture, bool isCutOut) {
     for (std::size_t i = 0; i < picture.size(); ++i) {
         const Rgba8& p = picture.pixels()[i];
         const float alpha = isCutOut ? static_cast<float>(p.a) / 255 : 1.0f;
-        weighted.pixels()[i] = {linearOf({p.r, p.g, p.b}) * alpha, alpha};
+        weighted.pixels()[i] = {linearColour({p.r, p.g, p.b}) * alpha, alpha};
     }
     return weighted;
 }
@@ -69,7 +69,8 @@ Image<Rgb8> finished(const Weighted& level, const Image<Rgb8>* coarser) {
 }
 
 glm::vec3 bilinear(const Image<Rgb8>& level, const glm::vec2& place) {
-    return blend(texelsAt(place, level.width(), level.height()), [&](int x, int y) { return linearOf(level(x, y)); });
+    return blend(texelsAt(place, level.width(), level.height()),
+                 [&](int x, int y) { return linearColour(level(x, y)); });
 }
 
 } // namespace
@@ -81,7 +82,7 @@ TexturePyramid::TexturePyramid(const Image<Rgba8>& picture, bool isCutOut) {
     levels_.resize(weighted.size());
     for (std::size_t i = weighted.size(); i-- > 0;)
         levels_[i] = finished(weighted[i], i + 1 < levels_.size() ? &levels_[i + 1] : nullptr);
-    mean_ = linearOf(levels_.back()(0, 0));
+    mean_ = linearColour(levels_.back()(0, 0));
 }
 
 glm::vec3 TexturePyramid::colourAt(const glm::vec2& place, const TextureFootprint& footprint) const {

@@ -16,7 +16,7 @@ using nlohmann::json;
 
 constexpr double kMostPixels = 1 << 20;
 
-double numberOf(const json& file, const char* key, const std::filesystem::path& path, bool isNeeded) {
+double numberAt(const json& file, const char* key, const std::filesystem::path& path, bool isNeeded) {
     const auto found = file.find(key);
     if (found == file.end() && !isNeeded) return 0;
     if (found == file.end() || !found->is_number() || !std::isfinite(found->get<double>()))
@@ -27,7 +27,7 @@ double numberOf(const json& file, const char* key, const std::filesystem::path& 
 }
 
 int sizeOf(const json& file, const char* key, const std::filesystem::path& path) {
-    const double size = numberOf(file, key, path, true);
+    const double size = numberAt(file, key, path, true);
     if (!(size >= 1 && size <= kMostPixels) || size != std::floor(size))
         throw Failure(std::string("is no camera: \"") + key + "\" is no number of pixels", path,
                       "write the size of its pictures");
@@ -60,8 +60,8 @@ bool isOneToOne(const CameraFile& file) {
 CameraFile readCameraFile(const std::filesystem::path& path) {
     const json file = readJsonFile(path);
     if (!file.is_object()) throw Failure("is no camera", path, "write an object with width, height, fx, fy, cx and cy");
-    const auto need = [&](const char* key) { return numberOf(file, key, path, true); };
-    const auto find = [&](const char* key) { return numberOf(file, key, path, false); };
+    const auto need = [&](const char* key) { return numberAt(file, key, path, true); };
+    const auto find = [&](const char* key) { return numberAt(file, key, path, false); };
     CameraFile result;
     result.camera = {
         sizeOf(file, "width", path), sizeOf(file, "height", path), need("fx"), need("fy"), need("cx"), need("cy")};

@@ -27,7 +27,7 @@ constexpr int kMaxDepth = 100; ///< of XML elements; a scan's deepest number sta
 
 const char* const kDamaged = "copy or export the scan again";
 
-struct Header {
+struct FileHead {
     std::uint64_t fileBytes = 0, xmlOffset = 0, xmlBytes = 0, pageBytes = 0;
 };
 
@@ -39,14 +39,14 @@ T littleEndian(const char* bytes) {
     return value;
 }
 
-Header readHeader(std::ifstream& stream, const std::filesystem::path& path, std::uint64_t fileBytes) {
+FileHead readHeader(std::ifstream& stream, const std::filesystem::path& path, std::uint64_t fileBytes) {
     std::array<char, kHeaderBytes> bytes{};
     if (fileBytes < kHeaderBytes || !stream.read(bytes.data(), bytes.size()))
         throw Failure("is too short to be an E57 file", path, "check that the file was copied whole");
     if (std::string_view(bytes.data(), 8) != "ASTM-E57")
         throw Failure("is not an E57 file: it does not begin with ASTM-E57", path, "name a scan in E57 or PTX");
-    const Header header{littleEndian<std::uint64_t>(&bytes[16]), littleEndian<std::uint64_t>(&bytes[24]),
-                        littleEndian<std::uint64_t>(&bytes[32]), littleEndian<std::uint64_t>(&bytes[40])};
+    const FileHead header{littleEndian<std::uint64_t>(&bytes[16]), littleEndian<std::uint64_t>(&bytes[24]),
+                          littleEndian<std::uint64_t>(&bytes[32]), littleEndian<std::uint64_t>(&bytes[40])};
     if (header.fileBytes != fileBytes)
         throw Failure("is cut off or damaged: its header promises " + std::to_string(header.fileBytes) +
                           " bytes and there are " + std::to_string(fileBytes),
@@ -59,7 +59,7 @@ Header readHeader(std::ifstream& stream, const std::filesystem::path& path, std:
     return header;
 }
 
-std::string readXml(std::ifstream& stream, const Header& header, const std::filesystem::path& path) {
+std::string readXml(std::ifstream& stream, const FileHead& header, const std::filesystem::path& path) {
     std::string xml;
     xml.reserve(header.xmlBytes);
     std::array<char, kPageBytes> page{};

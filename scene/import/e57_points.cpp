@@ -23,7 +23,7 @@ constexpr std::int64_t kMaxPointsWithoutBytes = 1 << 16;
 // A grid with more cells than this for each point is not a scanner's grid but a damaged index.
 constexpr std::int64_t kMaxCellsPerPoint = 64, kAlwaysPlausibleCells = 1 << 22;
 
-const char* const kDamaged = "copy or export the scan again";
+const char* const kPointsDamaged = "copy or export the scan again";
 
 enum Field {
     kX,
@@ -93,13 +93,13 @@ RecordBits bitsOf(const e57::StructureNode& prototype) {
 
 void proveCount(std::int64_t count, const RecordBits& bits, std::uint64_t fileBytes, const ScanSource& source) {
     const std::string claim = "scan '" + source.name + "' claims " + std::to_string(count) + " points";
-    if (count < 0) throw Failure(claim, source.path, kDamaged);
-    if (count > 0 && bits.all == 0) throw Failure(claim + " and holds no byte for them", source.path, kDamaged);
+    if (count < 0) throw Failure(claim, source.path, kPointsDamaged);
+    if (count > 0 && bits.all == 0) throw Failure(claim + " and holds no byte for them", source.path, kPointsDamaged);
     if (bits.position == 0 && count > kMaxPointsWithoutBytes)
-        throw Failure(claim + " at one place", source.path, kDamaged);
+        throw Failure(claim + " at one place", source.path, kPointsDamaged);
     if (bits.all > 0 && static_cast<std::uint64_t>(count) > fileBytes * 8 / static_cast<std::uint64_t>(bits.all)) {
         throw Failure(claim + ", more than its " + std::to_string(fileBytes) + " bytes can hold", source.path,
-                      kDamaged);
+                      kPointsDamaged);
     }
 }
 
@@ -327,7 +327,7 @@ ScanWithIntensity readAs(const ScanSource& source, bool wantsIntensity) {
         if (done != count)
             throw Failure("scan '" + source.name + "' holds only " + std::to_string(done) + " of the " +
                               std::to_string(count) + " points it claims",
-                          source.path, kDamaged);
+                          source.path, kPointsDamaged);
         scan.invalidPoints = count - static_cast<std::int64_t>(scan.pointsInScanner.size());
         colours.finish(scan);
         if (origin) scan.worldFromScanner.translation = scan.worldFromScanner * *origin;

@@ -21,11 +21,11 @@ namespace {
 constexpr std::uint64_t kShortestPointBytes = 6; ///< "0 0 0\n"
 constexpr std::size_t kOriginSample = 1 << 16;   ///< points that decide where the origin stands
 /// Six decimals are usual and three do occur; beyond this it is no rotation.
-constexpr double kRotationTolerance = 2e-3;
+constexpr double kPtxRotationTolerance = 2e-3;
 
-const char* const kRemedy = "export the scan again";
+const char* const kExportAgain = "export the scan again";
 
-struct Header {
+struct PtxHeader {
     int rows = 0, columns = 0;
     Pose worldFromScanner;
     glm::dvec3 scannerInPoints{0.0};
@@ -45,26 +45,26 @@ template <std::size_t N>
 std::array<double, N> parseRow(TextLines& lines, const std::filesystem::path& path) {
     std::array<double, N> row{};
     std::string_view text;
-    if (!lines.next(text)) throw Failure("ends within the header of a cloud", path, kRemedy);
+    if (!lines.next(text)) throw Failure("ends within the header of a cloud", path, kExportAgain);
     const bool good = parseNumbers(text, row) == static_cast<int>(N) &&
                       std::all_of(row.begin(), row.end(), [](double v) { return std::isfinite(v); });
-    if (!good) throw Failure("should hold " + std::to_string(N) + " finite numbers", lines.where(), kRemedy);
+    if (!good) throw Failure("should hold " + std::to_string(N) + " finite numbers", lines.where(), kExportAgain);
     return row;
 }
 
 // The 4 x 4 as a rigid motion and a uniform scale.
 void settleTransform(const glm::dmat4& worldFromPoints, const glm::dvec3& scannerInWorld, const std::string& where,
-                     Header& header) {
+                     PtxHeader& header) {
     glm::dmat4 rigid = worldFromPoints;
     header.scale = std::cbrt(glm::determinant(glm::dmat3(worldFromPoints)));
     if (std::isfinite(header.scale) && header.scale > 0)
         for (int c = 0; c < 3; ++c)
             for (int r = 0; r < 3; ++r)
                 rigid[c][r] /= header.scale;
-    if (!poseFromMatrix(rigid, kRotationTolerance, header.worldFromScanner))
+    if (!poseFromMatrix(rigid, kPtxRotationTolerance, header.worldFromScanner))
         throw Failure("the transform that ends here does not turn and move its cloud but bends it", where,
                       "export the scan with a rigid registration");
-    if (std::abs(header.scale - 1.0) < kRotationTolerance) header.scale = 1.0;
+    if (std::abs(header.scale - 1.0) < kPtxRotationTolerance) header.scale = 1.0;
     const bool pointsAreInWorld = worldFromPoints == glm::dmat4(1.0) && scannerInWorld != glm::dvec3(0.0);
     if (!pointsAreInWorld) return;
     header.scannerInPoints = scannerInWorld;
@@ -72,14 +72,14 @@ void settleTransform(const glm::dmat4& worldFromPoints, const glm::dvec3& scanne
 }
 
 // Reads a header; false if nothing but blank lines is left.
-bool readHeader(TextLines& lines, const std::filesystem::path& path, Header& header) {
+bool readHeader(TextLines& lines, const std::filesystem::path& path, PtxHeader& header) {
     std::string_view text;
     do {
         if (!lines.next(text)) return false;
     } while (text.find_first_not_of(" \t") == std::string_view::npos);
     header = {};
     header.columns = parseCount(text, lines.where(), "columns");
-    if (!lines.next(text)) throw Failure("ends within the header of a cloud", path, kRemedy);
+    if (!lines.next(text)) throw Failure("ends within the header of a cloud", path, kExportAgain);
     header.rows = parseCount(text, lines.where(), "rows");
 
     const auto place = parseRow<3>(lines, path);
@@ -95,16 +95,16 @@ bool readHeader(TextLines& lines, const std::filesystem::path& path, Header& hea
     return true;
 }
 
-std::int64_t cellsOf(const Header& header) {
+std::int64_t cellsOf(const PtxHeader& header) {
     return static_cast<std::int64_t>(header.rows) * static_cast<std::int64_t>(header.columns);
 }
 
-void proveCount(const Header& header, const TextLines& lines) {
+void proveCount(const PtxHeader& header, const TextLines& lines) {
     const std::uint64_t left = lines.fileBytes() - std::min(lines.fileBytes(), lines.byte());
     if (static_cast<std::uint64_t>(cellsOf(header)) > (left + 1) / kShortestPointBytes)
         throw Failure("the cloud that begins here claims " + std::to_string(cellsOf(header)) +
                           " points, more than the bytes left can hold",
-                      lines.where(), kRemedy);
+                      lines.where(), kExportAgain);
 }
 
 // Grey from intensity: 0..1 as the format has it, else whatever range was observed.
@@ -127,7 +127,7 @@ std::uint8_t colourByte(double value) {
 // The points of one cloud as its lines bring them.
 class Cloud {
   public:
-    Cloud(const Header& header, Scan& scan) : header_(header), scan_(scan) {}
+    Cloud(const PtxHeader& header, Scan& scan) : header_(header), scan_(scan) {}
 
     void add(std::int64_t cell, std::span<const double> numbers) {
         if (numbers[0] == 0 && numbers[1] == 0 && numbers[2] == 0) return; // no return
@@ -175,7 +175,7 @@ class Cloud {
         waiting_ = {};
     }
 
-    const Header& header_;
+    const PtxHeader& header_;
     Scan& scan_;
     bool decided_ = false;
     std::optional<glm::dvec3> origin_;
@@ -188,7 +188,7 @@ class Cloud {
 std::vector<ScanSource> listPtx(const std::filesystem::path& path) {
     TextLines lines(path, 0);
     std::vector<ScanSource> sources;
-    Header header;
+    PtxHeader header;
     for (std::uint64_t start = 0; readHeader(lines, path, header); start = lines.byte()) {
         proveCount(header, lines);
         ScanSource source;
@@ -205,7 +205,7 @@ std::vector<ScanSource> listPtx(const std::filesystem::path& path) {
         if (const std::uint64_t found = lines.skip(cells); found < cells)
             throw Failure("ends after " + std::to_string(found) + " of the " + std::to_string(cells) +
                               " points of cloud " + std::to_string(sources.size()),
-                          lines.where(), kRemedy);
+                          lines.where(), kExportAgain);
     }
     if (sources.empty()) throw Failure("is empty", path, "name a scan in E57 or PTX");
     std::set<std::string> names;
@@ -220,7 +220,7 @@ Scan readPtxScan(const ScanSource& source) {
     Scan scan;
     scan.name = source.name;
     TextLines lines(source.path, source.byteInFile);
-    Header header;
+    PtxHeader header;
     if (!readHeader(lines, source.path, header))
         throw Failure("has no cloud here any more", lines.where(), "read it again: it has changed");
     proveCount(header, lines);
@@ -233,10 +233,10 @@ Scan readPtxScan(const ScanSource& source) {
     for (std::int64_t cell = 0; cell < cells; ++cell) {
         if (!lines.next(text))
             throw Failure("ends after " + std::to_string(cell) + " of " + std::to_string(cells) + " points",
-                          lines.where(), kRemedy);
+                          lines.where(), kExportAgain);
         const int count = parseNumbers(text, numbers);
         if (count < 3 || count == 5 || count > 7)
-            throw Failure("should hold x y z, an intensity and a colour", lines.where(), kRemedy);
+            throw Failure("should hold x y z, an intensity and a colour", lines.where(), kExportAgain);
         cloud.add(cell, std::span(numbers).first(static_cast<std::size_t>(count)));
     }
     cloud.finish();

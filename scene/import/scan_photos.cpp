@@ -14,7 +14,7 @@ namespace scene {
 
 namespace {
 
-std::string sizeText(int width, int height) {
+std::string pixelsText(int width, int height) {
     return std::to_string(width) + "x" + std::to_string(height);
 }
 
@@ -130,8 +130,8 @@ Image<Rgb8> readScanPhoto(const ScanPhoto& photo) {
     image.indexInFile = photo.indexInFile;
     Image<Rgb8> picture = readE57Image(image);
     if (picture.width() != photo.camera.width || picture.height() != photo.camera.height)
-        throw Failure("photograph '" + photo.name + "' is " + sizeText(picture.width(), picture.height()) +
-                          " but its camera is " + sizeText(photo.camera.width, photo.camera.height),
+        throw Failure("photograph '" + photo.name + "' is " + pixelsText(picture.width(), picture.height()) +
+                          " but its camera is " + pixelsText(photo.camera.width, photo.camera.height),
                       photo.path, "export its photographs again");
     return picture;
 }
@@ -143,13 +143,13 @@ void useCameraFile(Capture& capture, const std::filesystem::path& file) {
                       "--camera " + file.string(), "leave it out");
     if (!isPlausible(camera.camera))
         throw Failure("is of no camera that anybody has: its focal length or centre is out of proportion to " +
-                          sizeText(camera.camera.width, camera.camera.height) + " pixels",
+                          pixelsText(camera.camera.width, camera.camera.height) + " pixels",
                       "--camera " + file.string(), "correct its intrinsics, which are in pixels");
     for (ScanPhoto& photo : capture.scanPhotos) {
         if (photo.camera.width != camera.camera.width || photo.camera.height != camera.camera.height)
-            throw Failure("is of pictures of " + sizeText(camera.camera.width, camera.camera.height) +
+            throw Failure("is of pictures of " + pixelsText(camera.camera.width, camera.camera.height) +
                               ", but photograph '" + photo.name + "' is " +
-                              sizeText(photo.camera.width, photo.camera.height),
+                              pixelsText(photo.camera.width, photo.camera.height),
                           "--camera " + file.string(), "give the file of the camera that took it");
         photo.camera = camera.camera;
         photo.distortion = camera.distortion;

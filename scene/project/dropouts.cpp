@@ -83,7 +83,7 @@ bool isSurrounded(const std::vector<Neighbour>& members) {
 }
 
 /// Neighbours of one surface: those whose disparity is between these two.
-struct Cluster {
+struct Patch {
     float least = 0, most = 0;
     int count = 0;
 
@@ -104,7 +104,7 @@ class ClusterFinder {
     }
 
     /// All must have a positive disparity.
-    Cluster heaviestOf(const std::vector<Neighbour>& neighbours) {
+    Patch heaviestOf(const std::vector<Neighbour>& neighbours) {
         for (const Neighbour& n : neighbours) {
             const std::uint32_t place = std::bit_cast<std::uint32_t>(n.disparity) >> (kMantissaBits - perOctave_);
             Bin& bin = bins_[place];
@@ -147,7 +147,7 @@ class ClusterFinder {
 
 /// Disparity at the centre of the plane through the members of a cluster. On a plane the pixel may stand out
 /// from all members a little, as at the image's rim; noise gets no farther.
-float planeAtCentre(const std::vector<Neighbour>& neighbours, const Cluster& cluster) {
+float planeAtCentre(const std::vector<Neighbour>& neighbours, const Patch& cluster) {
     PlaneSums plane;
     for (const Neighbour& n : neighbours)
         if (cluster.has(n)) plane.add(n);
@@ -241,7 +241,7 @@ std::int64_t fillDropouts(DepthImage& image, const DropoutOptions& options) {
                         neighbours.push_back(
                             {i - x, j - y, disparity, supportOf(i - x, radius) * supportOf(j - y, radius)});
             if (std::ssize(neighbours) < options.minSamples) continue;
-            const Cluster cluster = finder.heaviestOf(neighbours);
+            const Patch cluster = finder.heaviestOf(neighbours);
             if (cluster.count < options.minSamples) continue;
             members.clear();
             std::copy_if(neighbours.begin(), neighbours.end(), std::back_inserter(members),
@@ -283,7 +283,7 @@ std::int64_t guessRange(DepthImage& image, const GuessOptions& options) {
                 }
             }
             if (std::ssize(neighbours) < options.minSamples) continue;
-            const Cluster cluster = finder.heaviestOf(neighbours);
+            const Patch cluster = finder.heaviestOf(neighbours);
             if (cluster.count >= options.minSamples) guessed(x, y) = planeAtCentre(neighbours, cluster);
         }
     });

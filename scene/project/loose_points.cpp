@@ -13,8 +13,8 @@
 namespace scene {
 namespace {
 
-constexpr double kUnknownStep = 1e-3; ///< radians, for scans of a point or two
-constexpr double kFinestStep = 1e-6;  ///< radians; finer than any scanner's encoder
+constexpr double kUnknownStep = 1e-3;   ///< radians, for scans of a point or two
+constexpr double kFinestSpacing = 1e-6; ///< radians; finer than any scanner's encoder
 
 double quantile(std::vector<double>& values, double fraction) {
     const auto at = static_cast<std::ptrdiff_t>(fraction * static_cast<double>(values.size() - 1));
@@ -107,7 +107,7 @@ AngularSteps looseSteps(const Scan& scan, const glm::dvec3& copInScanner) {
         }
     });
     std::erase_if(nearest, [](double angle) { return angle > 1.0; });
-    const double step = nearest.empty() ? kUnknownStep : std::max(quantile(nearest, 0.5), kFinestStep);
+    const double step = nearest.empty() ? kUnknownStep : std::max(quantile(nearest, 0.5), kFinestSpacing);
     return {step, step};
 }
 

@@ -110,14 +110,14 @@ struct KeptPartner {
 constexpr float kAnywhere = std::numeric_limits<float>::max();
 
 /// A sample in its own camera: place in the image, and disparity.
-struct Candidate {
+struct RivalSample {
     float x, y, disparity;
     float farthest; ///< metres: who stands farther away than that does not cover it
     bool isGuess;
 };
 
 /// Whether the partner keeps this piece of surface and stands near enough.
-bool isCovered(const KeptPartner& partner, const Candidate& sample, const ComparisonOptions& options) {
+bool isCovered(const KeptPartner& partner, const RivalSample& sample, const ComparisonOptions& options) {
     if (partner.baseline > sample.farthest) return false;
     const Sighting at = sightingOf(partner.into, sample.x, sample.y, sample.disparity);
     if (!isSeenIn(partner.image->camera, at)) return false;
@@ -221,8 +221,8 @@ class Keeper {
             if (guess ? tier == Keep::base : !isSurface(image.flags(x, y))) return;
             ++there;
             if (mine != Keep::no) return;
-            const Candidate sample{static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f, image.disparity(x, y),
-                                   farthestCoverOf(image, x, y, baselineShare), guess};
+            const RivalSample sample{static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f, image.disparity(x, y),
+                                     farthestCoverOf(image, x, y, baselineShare), guess};
             const auto covers = [&](std::size_t p) { return isCovered(before[p], sample, options_.comparison); };
             bool covered = likely < before.size() && covers(likely);
             for (std::size_t p = 0; p < before.size() && !covered; ++p)

@@ -75,7 +75,7 @@ void forTrianglesOfRow(const DepthImage& image, int y, Visit visit) {
 }
 
 /// A triangle that may be a skin though disparity does not jump.
-struct Candidate {
+struct SkinChoice {
     int x = 0;
     SampleFlag skin = kSkinUpper;
     const Corners* corners = nullptr;
@@ -83,9 +83,9 @@ struct Candidate {
 
 /// The triangles of each row that are to be asked about, the same for all partners: not cut yet, and deeper than the
 /// noise between images. No shallower one can be told from a surface.
-std::vector<std::vector<Candidate>> findCandidates(const DepthImage& image, const Image<std::uint8_t>& flags,
-                                                   float sameSurface) {
-    std::vector<std::vector<Candidate>> rows(static_cast<std::size_t>(image.camera.height));
+std::vector<std::vector<SkinChoice>> findCandidates(const DepthImage& image, const Image<std::uint8_t>& flags,
+                                                    float sameSurface) {
+    std::vector<std::vector<SkinChoice>> rows(static_cast<std::size_t>(image.camera.height));
     tbb::parallel_for(0, image.camera.height - 1, [&](int y) {
         forTrianglesOfRow(image, y, [&](int x, SampleFlag skin, const Corners& corners) {
             if (flags(x, y) & skin) return;
@@ -200,7 +200,8 @@ Image<std::uint8_t> markSkins(ImageStore& images, std::size_t index, const std::
     Image<std::uint8_t> flags = markPlanarSkins(image, options.planarity, figures);
     Image<std::uint8_t> agreed(image.camera.width, image.camera.height, 0), seenThrough = agreed;
 
-    const std::vector<std::vector<Candidate>> candidates = findCandidates(image, flags, options.comparison.sameSurface);
+    const std::vector<std::vector<SkinChoice>> candidates =
+        findCandidates(image, flags, options.comparison.sameSurface);
     const std::size_t asked = std::min(partners.size(), static_cast<std::size_t>(options.maxPartners));
     for (std::size_t i = 0; i < asked; ++i) {
         // Faces and layers of one scan look from one place: what they hold apart is no evidence against either.
@@ -218,7 +219,7 @@ Image<std::uint8_t> markSkins(ImageStore& images, std::size_t index, const std::
                     if (relation == Relation::agrees) ++agreed(x, y);
                     if (relation == Relation::inFront) ++seenThrough(x, y);
                 }
-                for (const Candidate& triangle : candidates[static_cast<std::size_t>(y)])
+                for (const SkinChoice& triangle : candidates[static_cast<std::size_t>(y)])
                     if (!(flags(triangle.x, y) & triangle.skin) &&
                         sawThrough(partner, into, image, triangle.x, y, *triangle.corners, options.comparison))
                         flags(triangle.x, y) = static_cast<std::uint8_t>(flags(triangle.x, y) | triangle.skin);

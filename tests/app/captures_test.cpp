@@ -20,8 +20,6 @@ namespace {
 
 using nlohmann::json;
 
-const std::string kRevisit = REVISIT_PROGRAM;
-
 constexpr double kLivingRoomMeshFloor = 34, kLivingRoomPointsFloor = 33.2, kLivingRoomSeen = 0.97;
 constexpr double kLivingRoomBestFloor = 34.2;
 constexpr double kShelfMeshFloor = 24.9; ///< real sensor: a third of its pixels have range, exposure changes

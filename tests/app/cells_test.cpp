@@ -25,8 +25,6 @@ namespace {
 using nlohmann::json;
 using testing::HasSubstr;
 
-const std::string kRevisit = REVISIT_PROGRAM;
-
 /// Two corridors, 3 m wide and high, that meet at a right angle: along x from 0 to 12, along z from 0 to 9; floor at 0.
 /// All is chequered, so that images taken from different places differ in detail.
 void writeCorner(const std::filesystem::path& path) {

@@ -21,7 +21,6 @@ namespace {
 
 using nlohmann::json;
 
-const std::string kRevisit = REVISIT_PROGRAM;
 constexpr int kSeen = 1; ///< class of a pixel
 
 class Chain : public testing::Test {

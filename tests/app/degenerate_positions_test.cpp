@@ -20,8 +20,6 @@ namespace {
 
 using nlohmann::json;
 
-const std::string kRevisit = REVISIT_PROGRAM;
-
 using Places = std::vector<glm::dvec3>;
 
 /// Of all pixels of all pictures, those with surface. The room has no ceiling: one looks level.

@@ -26,8 +26,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const std::string kRevisit = REVISIT_PROGRAM;
-
 /// A small scene, a screen, and the program on it.
 class Desktop : public testing::Test {
   protected:

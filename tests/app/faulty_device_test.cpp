@@ -16,8 +16,6 @@ namespace app {
 
 namespace {
 
-const std::string kRevisit = REVISIT_PROGRAM;
-
 class FaultyDevice : public testing::Test {
   protected:
     static void SetUpTestSuite() {

@@ -16,7 +16,6 @@ namespace app {
 
 namespace {
 
-const std::string kRevisit = REVISIT_PROGRAM;
 constexpr double kShares[] = {0.02, 0.1, 0.25, 0.4, 0.55, 0.7, 0.8, 0.9, 0.97}; ///< of the room that is needed
 
 /// sh -c SCRIPT with $1, $2, ... in a namespace where it may mount.

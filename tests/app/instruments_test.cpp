@@ -22,8 +22,6 @@ namespace {
 using nlohmann::json;
 using testing::HasSubstr;
 
-const std::string kRevisit = REVISIT_PROGRAM;
-
 class Instruments : public testing::Test {
   protected:
     std::filesystem::path folder() const { return scratch_.path(); }

@@ -15,8 +15,6 @@ namespace app {
 
 namespace {
 
-const std::string kRevisit = REVISIT_PROGRAM, kMakeSample = REVISIT_MAKE_SAMPLE;
-
 TEST(Itself, AnImageFromItsOwnPlaceIsThatImage) {
     const scene::ScratchFolder scratch;
     const std::filesystem::path capture = scratch / "capture", scene = scratch / "one.revisit",

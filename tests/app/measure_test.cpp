@@ -17,7 +17,6 @@ namespace app {
 namespace {
 
 using nlohmann::json;
-const std::string kRevisit = REVISIT_PROGRAM;
 
 class Measure : public testing::Test {
   protected:

@@ -18,8 +18,6 @@ namespace app {
 
 namespace {
 
-const std::string kRevisit = REVISIT_PROGRAM;
-
 class MemoryOfScene : public testing::Test {
   protected:
     static void SetUpTestSuite() {

@@ -13,8 +13,6 @@ namespace app {
 
 namespace {
 
-const std::string kRevisit = REVISIT_PROGRAM;
-
 TEST(NoDevice, BuildWorksAndRenderSaysWhatToInstall) {
     const scene::ScratchFolder scratch;
     const std::string capture = (scratch / "capture").string(), scene = (scratch / "room.revisit").string(),

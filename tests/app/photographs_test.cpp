@@ -25,8 +25,6 @@ using nlohmann::json;
 using testing::HasSubstr;
 using testing::Not;
 
-const std::string kRevisit = REVISIT_PROGRAM, kMakeSample = REVISIT_MAKE_SAMPLE;
-
 double degreesBetween(const scene::Pose& a, const scene::Pose& b) {
     return std::acos(std::clamp(scene::cosineBetween(a.rotation, b.rotation), -1.0, 1.0)) * 57.29577951308232;
 }

@@ -21,7 +21,6 @@ namespace {
 using nlohmann::json;
 using testing::HasSubstr;
 
-const std::string kRevisit = REVISIT_PROGRAM;
 constexpr double kFar[] = {5.3, 3.2}; ///< x and y at which the hidden corner begins
 
 /// A room of 8 x 6 x 2.8 m with a wall that hides a corner; scanned from (2, 4). One cloud, column by column.

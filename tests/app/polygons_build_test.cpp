@@ -28,8 +28,6 @@ using scene::ScratchFolder;
 using scene::writeFile;
 using testing::HasSubstr;
 
-const std::string kRevisit = REVISIT_PROGRAM;
-
 Outcome build(const std::filesystem::path& polygons, const std::filesystem::path& output,
               const std::vector<std::string>& further, const ScratchFolder& scratch) {
     std::vector<std::string> command{kRevisit,      "build", polygons.string(), "-o", output.string(),

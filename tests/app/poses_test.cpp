@@ -27,7 +27,6 @@ using testing::ContainsRegex;
 using testing::HasSubstr;
 using testing::Not;
 
-const std::string kRevisit = REVISIT_PROGRAM;
 constexpr int kImages = 36;
 /// What comes after the poses, where only they are looked at.
 const std::vector<std::string> kPosesAlone{"--no-silhouettes", "--no-fuse"};

@@ -9,6 +9,10 @@
 
 namespace app {
 
+#ifdef REVISIT_PROGRAM // by the targets that run them
+inline const std::string kRevisit = REVISIT_PROGRAM, kMakeSample = REVISIT_MAKE_SAMPLE;
+#endif
+
 struct Outcome {
     int status = 0;     ///< exit status; 128 + signal if killed by one
     std::string output; ///< stdout and stderr together

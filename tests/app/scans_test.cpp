@@ -24,8 +24,6 @@ using nlohmann::json;
 using testing::HasSubstr;
 using testing::Not;
 
-const std::string kRevisit = REVISIT_PROGRAM, kMakeSample = REVISIT_MAKE_SAMPLE;
-
 /// Two scans of the room that nobody said where they stood, made once.
 class Scans : public testing::Test {
   protected:

@@ -23,8 +23,6 @@ namespace app {
 
 namespace {
 
-const std::string kRevisit = REVISIT_PROGRAM;
-
 /// A small capture, made once for all tests of the program.
 class Walk : public testing::Test {
   protected:

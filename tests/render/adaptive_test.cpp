@@ -17,14 +17,14 @@ namespace {
 
 class AdaptiveTest : public RenderTest {};
 
-Quality qualityOf(Warp warp, double samplePixels = 0) {
+Quality plainQuality(Warp warp, double samplePixels = 0) {
     Quality quality;
     quality.warp = warp;
     quality.samplePixels = samplePixels;
     return quality;
 }
 
-double psnrOf(const EyeImage& a, const EyeImage& b) {
+double coveredPsnr(const EyeImage& a, const EyeImage& b) {
     double sum = 0, count = 0;
     for (int y = 0; y < a.colour.height(); ++y)
         for (int x = 0; x < a.colour.width(); ++x) {
@@ -42,9 +42,9 @@ TEST_F(AdaptiveTest, ShowsWhatTheMeshShows) {
     Painter paint(scene, cameraOf(320, 240, 1.3));
     for (const double x : {-0.2, 0.0, 0.3}) {
         const scene::View eye{cameraOf(320, 240, 1.3), poseAt({x, 0.02, 0.15}, 0.3 * x, 0.1)};
-        const EyeImage mesh = paint(eye, qualityOf(Warp::mesh));
-        const EyeImage adaptive = paint(eye, qualityOf(Warp::adaptive));
-        EXPECT_GE(psnrOf(mesh, adaptive), 34) << "eye at " << x;
+        const EyeImage mesh = paint(eye, plainQuality(Warp::mesh));
+        const EyeImage adaptive = paint(eye, plainQuality(Warp::adaptive));
+        EXPECT_GE(coveredPsnr(mesh, adaptive), 34) << "eye at " << x;
         EXPECT_GE(coverage(adaptive), coverage(mesh) - 0.002) << "eye at " << x;
     }
 }
@@ -113,7 +113,7 @@ TEST_F(AdaptiveTest, FacetsAreThoseOfTheProcessor) {
         ASSERT_TRUE(tile.facetCount > 0 || tile.quadCount == 0) << "else this test would see only a part";
     for (const double x : {-0.4, 0.0, 0.7}) {
         const scene::View eye{cameraOf(200, 150, 1.3), poseAt({x, 0.1, 0.3}, -0.4 * x, 0.05)};
-        const EyeImage device = drawOnce(scene, eye, qualityOf(Warp::adaptive));
+        const EyeImage device = drawOnce(scene, eye, plainQuality(Warp::adaptive));
         const scene::Image<std::uint64_t> keys = facetsOnProcessor(plane, scene, eye);
         int differ = 0, covered = 0;
         for (int v = 0; v < 150; ++v)
@@ -134,7 +134,7 @@ TEST_F(AdaptiveTest, FromItsOwnCameraAPlaneComesBack) {
     const scene::DepthImage taken = takePlane(cameraOf(130, 98, 1.2), {0.3, 0.2, 1}, 2);
     const CutScene plane = cutInLevels({taken});
     const GpuScene scene(testDevice(), plane.blocks());
-    const EyeImage seen = drawOnce(scene, {taken.camera, taken.worldFromCamera}, qualityOf(Warp::adaptive));
+    const EyeImage seen = drawOnce(scene, {taken.camera, taken.worldFromCamera}, plainQuality(Warp::adaptive));
     for (int y = 0; y < 98; ++y)
         for (int x = 0; x < 130; ++x) {
             ASSERT_EQ(seen.pixelClass(x, y), kClassSeen) << x << " " << y;
@@ -166,7 +166,7 @@ TEST_F(AdaptiveTest, NoHoleOpensBetweenLevels) {
         for (double back = 0; back < 14; back += 0.37) {
             const scene::View eye{eyeCamera, poseAt({0, 0, -back}, 0, 0)};
             const double share = 0.8 * 2 / (2 + 1.3 * back);
-            EXPECT_EQ(holesIn(paint(eye, qualityOf(warp, 1)), share), 0)
+            EXPECT_EQ(holesIn(paint(eye, plainQuality(warp, 1)), share), 0)
                 << back << " m back, warp " << static_cast<int>(warp);
         }
 }
@@ -177,7 +177,7 @@ TEST_F(AdaptiveTest, FromFarAwayFewSamplesDo) {
     Renderer renderer(testDevice(), scene, 256, 192, 1);
     const auto samplesFrom = [&](double back) {
         const scene::View eye{cameraOf(256, 192, 1.2), poseAt({0, 0, -back}, 0, 0)};
-        return renderer.draw(std::span(&eye, 1), qualityOf(Warp::points, 1)).eyes[0].samplesDrawn;
+        return renderer.draw(std::span(&eye, 1), plainQuality(Warp::points, 1)).eyes[0].samplesDrawn;
     };
     const auto near = samplesFrom(1), far = samplesFrom(30);
     EXPECT_GT(near, 40000u) << "about one for each pixel";

@@ -10,13 +10,13 @@ namespace {
 
 class EdgeCases : public RenderTest {};
 
-const scene::Camera kEye = cameraOf(200, 150, 1.5);
+const scene::Camera kEdgeEye = cameraOf(200, 150, 1.5);
 
 TEST_F(EdgeCases, NoImagesAtAll) {
     const GpuScene scene(testDevice(), {});
     EXPECT_EQ(scene.bytesResident(), 0u);
     for (const Warp warp : {Warp::points, Warp::mesh}) {
-        const EyeImage drawn = drawOnce(scene, {kEye, {}}, {.warp = warp});
+        const EyeImage drawn = drawOnce(scene, {kEdgeEye, {}}, {.warp = warp});
         EXPECT_EQ(coverage(drawn), 0.0);
         for (const float depth : drawn.depthMetres.pixels())
             ASSERT_EQ(depth, 0.0f);
@@ -24,12 +24,12 @@ TEST_F(EdgeCases, NoImagesAtAll) {
 }
 
 TEST_F(EdgeCases, AnImageWithoutTilesAndOneBesideIt) {
-    scene::DepthImage empty = takePlane(kEye, {0, 0, 1}, 2);
+    scene::DepthImage empty = takePlane(kEdgeEye, {0, 0, 1}, 2);
     for (std::uint8_t& flags : empty.flags.pixels())
         flags = scene::kNoSurface;
-    const CutScene both = cut({empty, takePlane(kEye, {0, 0, 1}, 3)});
+    const CutScene both = cut({empty, takePlane(kEdgeEye, {0, 0, 1}, 3)});
     ASSERT_TRUE(both.sets[0].tiles.empty());
-    const EyeImage drawn = drawOnce(GpuScene(testDevice(), both.blocks()), {kEye, {}}, {});
+    const EyeImage drawn = drawOnce(GpuScene(testDevice(), both.blocks()), {kEdgeEye, {}}, {});
     EXPECT_EQ(coverage(drawn), 1.0);
     EXPECT_NEAR(drawn.depthMetres(7, 7), 3, 1e-5);
 }
@@ -38,7 +38,7 @@ TEST_F(EdgeCases, LookingAwayShowsNothing) {
     const CutScene plane = cut({takePlane(cameraOf(64, 64, 0.5), {0, 0, 1}, 2)});
     const GpuScene scene(testDevice(), plane.blocks());
     Renderer renderer(testDevice(), scene, 200, 150, 1);
-    const scene::View away{kEye, poseAt({0, 0, 0}, std::acos(-1.0), 0)};
+    const scene::View away{kEdgeEye, poseAt({0, 0, 0}, std::acos(-1.0), 0)};
     const FrameStats stats = renderer.draw(std::span(&away, 1), {});
     EXPECT_EQ(stats.eyes[0].tilesDrawn, 0u);
     EXPECT_EQ(coverage(renderer.readBack()[0]), 0.0);
@@ -47,7 +47,7 @@ TEST_F(EdgeCases, LookingAwayShowsNothing) {
 TEST_F(EdgeCases, ATenthOfAMillimetreFromASurface) {
     const CutScene plane = cut({takePlane(cameraOf(200, 200, 1.5), {0, 0, 1}, 2)});
     const GpuScene scene(testDevice(), plane.blocks());
-    const scene::View view{kEye, {glm::dmat3(1.0), {0.0021, 0.0013, 2 - 1e-4}}};
+    const scene::View view{kEdgeEye, {glm::dmat3(1.0), {0.0021, 0.0013, 2 - 1e-4}}};
     const EyeImage mesh = drawOnce(scene, view, {.warp = Warp::mesh});
     EXPECT_EQ(coverage(mesh), 1.0);
     for (const float depth : mesh.depthMetres.pixels())
@@ -60,29 +60,29 @@ TEST_F(EdgeCases, InTheSurfaceAndBehindItNothingIsDrawnOfIt) {
     const GpuScene scene(testDevice(), plane.blocks());
     for (const Warp warp : {Warp::points, Warp::mesh})
         for (const double z : {2.0, 2.5})
-            EXPECT_EQ(coverage(drawOnce(scene, {kEye, {glm::dmat3(1.0), {0, 0, z}}}, {.warp = warp})), 0.0) << z;
+            EXPECT_EQ(coverage(drawOnce(scene, {kEdgeEye, {glm::dmat3(1.0), {0, 0, z}}}, {.warp = warp})), 0.0) << z;
 }
 
 TEST_F(EdgeCases, SkyStandsBehindEverythingAndInfinitelyFar) {
-    scene::DepthImage sky = takePlane(kEye, {0, 0, 1}, 1);
+    scene::DepthImage sky = takePlane(kEdgeEye, {0, 0, 1}, 1);
     for (float& disparity : sky.disparity.pixels())
         disparity = 0;
     for (scene::Rgb8& colour : sky.colour.pixels())
         colour = {250, 251, 252}; // larger than any other in a key
-    scene::DepthImage wall = takePlane(kEye, {0, 0, 1}, 5000);
+    scene::DepthImage wall = takePlane(kEdgeEye, {0, 0, 1}, 5000);
     for (int y = 0; y < 150; ++y)
         for (int x = 100; x < 200; ++x)
             wall.flags(x, y) |= scene::kNoSurface;
     const CutScene both = cut({sky, wall});
     const GpuScene scene(testDevice(), both.blocks());
     for (const Warp warp : {Warp::points, Warp::mesh}) {
-        const EyeImage drawn = drawOnce(scene, {kEye, {}}, {.warp = warp});
+        const EyeImage drawn = drawOnce(scene, {kEdgeEye, {}}, {.warp = warp});
         EXPECT_EQ(coverage(drawn), 1.0);
         EXPECT_EQ(drawn.colour(150, 70), (scene::Rgb8{250, 251, 252}));
         EXPECT_TRUE(std::isinf(drawn.depthMetres(150, 70)));
         EXPECT_NEAR(drawn.depthMetres(50, 70), 5000, 0.01);
         // Moving does not move the sky.
-        const EyeImage moved = drawOnce(scene, {kEye, poseAt({900, 0, 0}, 0, 0)}, {.warp = warp});
+        const EyeImage moved = drawOnce(scene, {kEdgeEye, poseAt({900, 0, 0}, 0, 0)}, {.warp = warp});
         EXPECT_EQ(moved.colour(150, 70), (scene::Rgb8{250, 251, 252}));
     }
 }
@@ -92,7 +92,7 @@ TEST_F(EdgeCases, SeveralPagesDrawWhatOneDraws) {
     const GpuScene whole(testDevice(), room.blocks()), paged(testDevice(), room.blocks(), 20000);
     EXPECT_EQ(whole.pageCount(), 1u);
     EXPECT_GT(paged.pageCount(), 20u);
-    const scene::View view{kEye, poseAt({0.3, 0, 0}, 1, 0.3)};
+    const scene::View view{kEdgeEye, poseAt({0.3, 0, 0}, 1, 0.3)};
     for (const Warp warp : {Warp::points, Warp::mesh})
         EXPECT_TRUE(isSame(drawOnce(whole, view, {.warp = warp}), drawOnce(paged, view, {.warp = warp})));
 }
@@ -108,7 +108,7 @@ TEST_F(EdgeCases, WhatHiddenTilesAreLeftOutOfIsTheSamePicture) {
             blocks.push_back(block);
         }
     const GpuScene scene(testDevice(), blocks);
-    Renderer renderer(testDevice(), scene, kEye.width, kEye.height, 1);
+    Renderer renderer(testDevice(), scene, kEdgeEye.width, kEdgeEye.height, 1);
     const auto draw = [&](const scene::View& view, const Quality& quality) {
         renderer.draw({&view, 1}, quality);
         return renderer.readBack()[0];
@@ -117,7 +117,7 @@ TEST_F(EdgeCases, WhatHiddenTilesAreLeftOutOfIsTheSamePicture) {
     for (const Warp warp : {Warp::points, Warp::mesh, Warp::adaptive, Warp::splats})
         for (const float nearBaseline : {0.0f, 0.2f})
             for (int i = 0; i < 6; ++i) {
-                const scene::View view{kEye, poseAt({0.3 * i - 0.9, 0.1 * i - 0.3, 0.2}, 1.1 * i, 0.1 * i - 0.2)};
+                const scene::View view{kEdgeEye, poseAt({0.3 * i - 0.9, 0.1 * i - 0.3, 0.2}, 1.1 * i, 0.1 * i - 0.2)};
                 Quality with, without;
                 with.warp = warp, with.preference.nearBaseline = nearBaseline, with.maxFootprint = 1 + i;
                 // Meshes have gaps at silhouettes alone, and what is seen through those is no matter of filling.
@@ -131,12 +131,12 @@ TEST_F(EdgeCases, WhatHiddenTilesAreLeftOutOfIsTheSamePicture) {
                 const auto sources = sourceViewsOf(scene.images(), view, with);
                 std::vector<ImagePlanes> planes;
                 for (std::size_t k = 0; k < sources.size(); ++k)
-                    planes.push_back(
-                        planesOf(sources[k].eyeImageFromSource, kEye.width, kEye.height, 4, scene.images()[k].extent));
+                    planes.push_back(planesOf(sources[k].eyeImageFromSource, kEdgeEye.width, kEdgeEye.height, 4,
+                                              scene.images()[k].extent));
                 cull(
                     scene.bounds(), scene.pieces(), [&](const TilePiece& piece) { return planes[piece.image]; }, all);
                 chooseDraws(scene.index(), scene.places(), sources, all, with, list,
-                            static_cast<double>(kEye.width * kEye.height));
+                            static_cast<double>(kEdgeEye.width * kEdgeEye.height));
                 batches = std::max<std::size_t>(batches, list.runs.back().batch + 1);
             }
     EXPECT_EQ(batches, 8u) << "there was something to leave out";
@@ -147,11 +147,11 @@ TEST_F(EdgeCases, ListsGrowWithWhatIsSeen) {
     const CutScene plane = cut({takePlane(cameraOf(600, 600, 1.5), {0, 0, 1}, 2)}, 6);
     const GpuScene scene(testDevice(), plane.blocks());
     ASSERT_GT(scene.tiles().size(), 2 * 4096u);
-    const scene::View corner{kEye, poseAt({0, 0, 0}, 0.75, 0)}, whole{kEye, poseAt({0, 0, -1}, 0, 0)};
+    const scene::View corner{kEdgeEye, poseAt({0, 0, 0}, 0.75, 0)}, whole{kEdgeEye, poseAt({0, 0, -1}, 0, 0)};
     for (const bool isBlended : {false, true}) {
         Quality quality;
         quality.isBlended = isBlended;
-        Renderer renderer(testDevice(), scene, kEye.width, kEye.height, 1);
+        Renderer renderer(testDevice(), scene, kEdgeEye.width, kEdgeEye.height, 1);
         for (const scene::View& view : {corner, whole, whole, corner}) {
             renderer.draw({&view, 1}, quality);
             EXPECT_TRUE(isSame(renderer.readBack()[0], drawOnce(scene, view, quality)));
@@ -167,7 +167,7 @@ TEST_F(EdgeCases, MoreThanAPageOfVertices) {
     const GpuScene scene(testDevice(), blocks);
     EXPECT_GT(scene.bytesResident(), 2 * kPageBytes);
     EXPECT_GE(scene.pageCount(), 2u);
-    const scene::View view{kEye, {}};
+    const scene::View view{kEdgeEye, {}};
     EXPECT_TRUE(isSame(drawOnce(scene, view, {}), drawOnce(GpuScene(testDevice(), plane.blocks()), view, {})));
 }
 

@@ -12,10 +12,10 @@
 namespace render {
 namespace {
 
-constexpr int kWidth = 160, kHeight = 120;
+constexpr int kStandingWidth = 160, kStandingHeight = 120;
 
 scene::View eyeAt(double x, double yaw) {
-    return {cameraOf(kWidth, kHeight, 1.5), poseAt({x, 0.1, 0}, yaw, 0)};
+    return {cameraOf(kStandingWidth, kStandingHeight, 1.5), poseAt({x, 0.1, 0}, yaw, 0)};
 }
 
 scene::Coverage halfUnseen(std::uint32_t seed) {
@@ -50,7 +50,7 @@ class Standing : public RenderTest {
     /// By a renderer to which every frame is new.
     std::vector<EyeImage> warped(std::span<const scene::View> eyes, const Quality& quality, const GpuCoverage* coverage,
                                  const Overlay* overlay = nullptr) {
-        Renderer renderer(testDevice(), scene_, kWidth, kHeight, 2, coverage, &polygons_);
+        Renderer renderer(testDevice(), scene_, kStandingWidth, kStandingHeight, 2, coverage, &polygons_);
         return draw(renderer, eyes, quality, overlay).pictures;
     }
     static void expectSame(const std::vector<EyeImage>& a, const std::vector<EyeImage>& b, const std::string& what) {
@@ -64,7 +64,7 @@ TEST_F(Standing, FramesLookAsIfTheyHadBeenWarpedAnew) {
     Overlay overlay;
     overlay.segments.push_back({{-1, 0, 2}, {1, 0.2, 2}, {255, 0, 0}});
     for (const Way& way : ways()) {
-        Renderer renderer(testDevice(), scene_, kWidth, kHeight, 2, &coverage_, &polygons_);
+        Renderer renderer(testDevice(), scene_, kStandingWidth, kStandingHeight, 2, &coverage_, &polygons_);
         renderer.letFramesStand(true);
         const Drawn first = draw(renderer, eyes, way.quality);
         EXPECT_FALSE(first.isStanding) << way.name;
@@ -98,7 +98,7 @@ TEST_F(Standing, WarmingUpLeavesNothingBehind) {
     for (const Way& way : ways())
         qualities.push_back(way.quality);
     for (const Quality& first : {qualities.front(), qualities.back()}) {
-        Renderer renderer(testDevice(), scene_, kWidth, kHeight, 2, &coverage_, &polygons_);
+        Renderer renderer(testDevice(), scene_, kStandingWidth, kStandingHeight, 2, &coverage_, &polygons_);
         renderer.letFramesStand(true);
         renderer.warmUp(eyes, qualities);
         EXPECT_EQ(renderer.frames(), 0u);
@@ -112,7 +112,7 @@ TEST_F(Standing, WarmingUpLeavesNothingBehind) {
 
 TEST_F(Standing, WhatChangesIsWarpedAnew) {
     const std::array eyes{eyeAt(0, 0.3), eyeAt(0.06, 0.3)}, moved{eyeAt(0, 0.3), eyeAt(0.0601, 0.3)};
-    Renderer renderer(testDevice(), scene_, kWidth, kHeight, 2, &coverage_, &polygons_);
+    Renderer renderer(testDevice(), scene_, kStandingWidth, kStandingHeight, 2, &coverage_, &polygons_);
     draw(renderer, eyes, {});
     EXPECT_FALSE(draw(renderer, eyes, {}).isStanding) << "it was not let to";
     renderer.letFramesStand(true);

@@ -143,12 +143,12 @@ TEST_F(StereoTest, WhatHasNoSuchPassIsDrawnEyeByEye) {
     EXPECT_FALSE(one.draw({eyes.data(), 1}, points).isOnePass);
 }
 
-struct Seen {
+struct OnePass {
     DrawList list;
     std::uint32_t tileOf(std::uint32_t draw) const { return list.chosen[list.order[draw]].tile; }
 };
 
-Seen seenBy(const GpuScene& scene, const scene::View& view, const Quality& quality) {
+OnePass seenBy(const GpuScene& scene, const scene::View& view, const Quality& quality) {
     const std::vector<SourceView> sources = sourceViewsOf(scene.images(), view, quality);
     std::vector<ImagePlanes> planes;
     for (std::size_t k = 0; k < sources.size(); ++k)
@@ -156,7 +156,7 @@ Seen seenBy(const GpuScene& scene, const scene::View& view, const Quality& quali
     VisibleTiles visible{numbersOf(scene.pieces()), {}, {}};
     cull(
         scene.bounds(), scene.pieces(), [&](const TilePiece& piece) { return planes[piece.image]; }, visible);
-    Seen seen;
+    OnePass seen;
     chooseDraws(scene.index(), scene.places(), sources, visible, quality, seen.list, kEye.width * kEye.height);
     return seen;
 }
@@ -167,8 +167,8 @@ TEST_F(StereoTest, EveryDrawOfEitherEyeStandsInOnePair) {
     PairList pairs; // kept: nothing of one frame may be left in the next
     std::uint32_t shared = 0, alone = 0, batches = 0;
     for (const Eyes& eyes : pairsOfEyes()) {
-        const Seen left = seenBy(scene, eyes[0], qualityOf(Warp::points)),
-                   right = seenBy(scene, eyes[1], qualityOf(Warp::points));
+        const OnePass left = seenBy(scene, eyes[0], qualityOf(Warp::points)),
+                      right = seenBy(scene, eyes[1], qualityOf(Warp::points));
         ASSERT_TRUE(uniteDraws(scene.tiles().size(), left.list, right.list, false, pairs));
         std::vector<int> drawnLeft(left.list.tiles, 0), drawnRight(right.list.tiles, 0);
         std::uint32_t next = 0, batch = 0, run = 0;
@@ -206,12 +206,12 @@ TEST_F(StereoTest, EveryDrawOfEitherEyeStandsInOnePair) {
     EXPECT_GT(alone, 0u);
     EXPECT_GT(batches, 1u);
 
-    const Seen surfaces = seenBy(scene, pairsOfEyes()[0][0], qualityOf(Warp::mesh));
+    const OnePass surfaces = seenBy(scene, pairsOfEyes()[0][0], qualityOf(Warp::mesh));
     EXPECT_FALSE(uniteDraws(scene.tiles().size(), surfaces.list, surfaces.list, true, pairs));
     const scene::View nearby{kEye, poseAt({0, 0, 1.8}, 0, 0)};
     Quality widest = qualityOf(Warp::points);
     widest.maxFootprint = 64;
-    const Seen wide = seenBy(scene, nearby, widest);
+    const OnePass wide = seenBy(scene, nearby, widest);
     EXPECT_TRUE(uniteDraws(scene.tiles().size(), wide.list, wide.list, true, pairs));
     EXPECT_FALSE(uniteDraws(scene.tiles().size(), wide.list, wide.list, false, pairs)) << "processors deal them out";
 }

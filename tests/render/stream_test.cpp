@@ -53,7 +53,7 @@ TEST(RangeAllocator, GivesEachPlaceToOneAloneAndJoinsWhatIsFree) {
     EXPECT_EQ(ranges.longest(), kSize);
 }
 
-const scene::Camera kEye = cameraOf(160, 120, 1.4);
+const scene::Camera kStreamEye = cameraOf(160, 120, 1.4);
 
 /// Four rooms side by side, 10 m apart, each taken from within in six faces, with coarser levels.
 class StreamTest : public RenderTest {
@@ -72,7 +72,9 @@ class StreamTest : public RenderTest {
         rooms_ = nullptr;
     }
 
-    static scene::View eyeIn(int room, double yaw) { return {kEye, poseAt({10.0 * room + 0.2, 0.1, 0.1}, yaw, 0.1)}; }
+    static scene::View eyeIn(int room, double yaw) {
+        return {kStreamEye, poseAt({10.0 * room + 0.2, 0.1, 0.1}, yaw, 0.1)};
+    }
     static std::size_t allBytes() { return GpuScene(testDevice(), rooms_->blocks()).bytesResident(); }
 
     /// Pixels that show nothing although the whole scene would show something there.
@@ -173,7 +175,7 @@ TEST_F(StreamTest, WhereAllThatIsSeenFitsItShowsWhatTheWholeSceneShows) {
     for (const bool isStaged : {false, true}) {
         GpuScene part(testDevice(), blocks_, {.budgetBytes = 3 * allBytes() / 4, .isStaged = isStaged});
         ASSERT_TRUE(part.isStreamed());
-        Painter paintPart(part, kEye), paintWhole(whole, kEye);
+        Painter paintPart(part, kStreamEye), paintWhole(whole, kStreamEye);
         EXPECT_LT(part.bytesResident(), whole.bytesResident());
         for (const Warp warp : {Warp::points, Warp::mesh, Warp::adaptive, Warp::splats})
             for (const double samplePixels : {0.0, 1.5})
@@ -205,25 +207,25 @@ TEST_F(StreamTest, WhatIsShownDependsOnTheEyesAlone) {
 
 TEST_F(StreamTest, NoFrameOfAFastPathShowsAHoleThatTheWholeSceneDoesNot) {
     const GpuScene whole(testDevice(), blocks_);
-    Renderer wholeRenderer(testDevice(), whole, kEye.width, kEye.height, 1);
+    Renderer wholeRenderer(testDevice(), whole, kStreamEye.width, kStreamEye.height, 1);
     for (const Warp warp : {Warp::points, Warp::mesh, Warp::adaptive, Warp::splats})
         for (const bool hasArrivals : {false, true}) { // at worst, nothing ever arrives in time
             GpuScene part(testDevice(), blocks_, {.budgetBytes = allBytes() / 10});
             Quality quality;
             quality.warp = warp;
             quality.holes.radius = 4; // as all presets have it
-            Renderer renderer(testDevice(), part, kEye.width, kEye.height, 1);
+            Renderer renderer(testDevice(), part, kStreamEye.width, kStreamEye.height, 1);
             std::size_t holes = 0, pixels = 0;
             for (int frame = 0; frame < 48; ++frame) {
                 // Through all rooms in half a second at 90 frames a second, turning round and round.
                 const double x = 30.0 * frame / 47;
                 if (std::abs(std::remainder(x - 5, 10.0)) < 1.3) continue; // within a wall there is nothing to compare
-                const scene::View eye{kEye, poseAt({x, 0.1, 0.1}, 0.4 * frame, 0.1)};
+                const scene::View eye{kStreamEye, poseAt({x, 0.1, 0.1}, 0.4 * frame, 0.1)};
                 if (hasArrivals) part.follow({&eye, 1}, quality); // never waits for what is to come
                 renderer.draw({&eye, 1}, quality);
                 wholeRenderer.draw({&eye, 1}, quality);
                 holes += holesOf(renderer.readBack()[0], wholeRenderer.readBack()[0]);
-                pixels += kEye.width * kEye.height;
+                pixels += kStreamEye.width * kStreamEye.height;
             }
             EXPECT_LE(static_cast<double>(holes), 1e-5 * static_cast<double>(pixels))
                 << static_cast<int>(warp) << ": " << holes;
@@ -277,7 +279,7 @@ TEST_F(StreamTest, FramesStandOnceAllHasArrived) {
     const scene::View before = eyeIn(0, 0), eye = eyeIn(3, 1);
     for (const bool isStaged : {false, true}) {
         GpuScene part(testDevice(), blocks_, {.budgetBytes = allBytes() / 2, .isStaged = isStaged});
-        Renderer renderer(testDevice(), part, kEye.width, kEye.height, 1);
+        Renderer renderer(testDevice(), part, kStreamEye.width, kStreamEye.height, 1);
         renderer.letFramesStand(true);
         part.settle({&before, 1}, {});
         std::uint64_t changes = part.changes();
@@ -300,7 +302,7 @@ TEST_F(StreamTest, InOnePassTheSameIsSeenOfWhatIsThere) {
     std::size_t inOnePass = 0, eyeByEye = 0;
     for (const std::size_t budget : {allBytes() / 10, 3 * allBytes() / 4}) {
         GpuScene part(testDevice(), blocks_, {.budgetBytes = budget});
-        Renderer renderer(testDevice(), part, kEye.width, kEye.height, 2);
+        Renderer renderer(testDevice(), part, kStreamEye.width, kStreamEye.height, 2);
         for (const Warp warp : {Warp::points, Warp::splats})
             for (int i = 0; i < 4; ++i) {
                 const std::array eyes{eyeIn(i, 1.5 * i), eyeIn(i, 1.5 * i + 0.3)};
@@ -331,7 +333,8 @@ TEST_F(StreamTest, WhatIsDamagedIsDrawnAsUnseenAndToldOnce) {
         sums.push_back(scene::checksumOf(blocks_[0], chunk));
     sums[0] ^= 1; // of the first face's own samples
     blocks_[0].chunkSums = sums;
-    const scene::View ahead{kEye, rooms_->images[0].worldFromCamera}, behind{kEye, rooms_->images[2].worldFromCamera};
+    const scene::View ahead{kStreamEye, rooms_->images[0].worldFromCamera},
+        behind{kStreamEye, rooms_->images[2].worldFromCamera};
     for (const std::size_t budget : {std::numeric_limits<std::size_t>::max(), 3 * allBytes() / 4}) {
         GpuScene scene(testDevice(), blocks_, {.budgetBytes = budget});
         for (const Warp warp : {Warp::points, Warp::mesh, Warp::adaptive, Warp::splats}) {

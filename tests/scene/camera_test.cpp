@@ -12,11 +12,11 @@
 namespace scene {
 namespace {
 
-constexpr int kTrials = 2000;
+constexpr int kCameraTrials = 2000;
 
 TEST(Camera, ProjectsTheRayOfAPixelOntoThePixel) {
     RandomPlaces random(1);
-    for (int trial = 0; trial < kTrials; ++trial) {
+    for (int trial = 0; trial < kCameraTrials; ++trial) {
         const Camera camera = random.camera();
         const glm::dvec2 place{random.between(0, camera.width), random.between(0, camera.height)};
         const double depth = std::exp(random.between(std::log(1e-4), std::log(1e5)));
@@ -27,7 +27,7 @@ TEST(Camera, ProjectsTheRayOfAPixelOntoThePixel) {
 
 TEST(Camera, MatricesSayTheSameAsTheFormulas) {
     RandomPlaces random(2);
-    for (int trial = 0; trial < kTrials; ++trial) {
+    for (int trial = 0; trial < kCameraTrials; ++trial) {
         const Camera camera = random.camera();
         const glm::dvec3 ray = rayThrough(camera, random.between(0, camera.width), random.between(0, camera.height));
         const double depth = std::exp(random.between(std::log(1e-4), std::log(1e5)));

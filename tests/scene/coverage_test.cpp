@@ -19,7 +19,7 @@
 namespace scene {
 namespace {
 
-constexpr std::size_t kHeaderBytes = 72, kHeaderChecked = 64, kCornerAt = 16, kEdgeAt = 40;
+constexpr std::size_t kCoverageHeaderBytes = 72, kCoverageHeaderChecked = 64, kCornerAt = 16, kEdgeAt = 40;
 
 /// Every cell of the tree, written into all the finest cells it consists of.
 std::vector<Observed> spreadOut(const Coverage& coverage, int side) {
@@ -186,11 +186,11 @@ class CoverageFile : public testing::Test {
 
 TEST_F(CoverageFile, ComesBackAsItWas) {
     EXPECT_EQ(readCoverage(path_), coverage_);
-    EXPECT_EQ(bytes_.size(), kHeaderBytes + coverage_.nodes.size() * sizeof(CoverageNode));
+    EXPECT_EQ(bytes_.size(), kCoverageHeaderBytes + coverage_.nodes.size() * sizeof(CoverageNode));
 }
 
 TEST_F(CoverageFile, ADamagedByteAnywhereIsNoticed) {
-    for (std::size_t at = 0; at < bytes_.size(); at += at < kHeaderBytes ? 1 : 37) {
+    for (std::size_t at = 0; at < bytes_.size(); at += at < kCoverageHeaderBytes ? 1 : 37) {
         std::string damaged = bytes_;
         damaged[at] = static_cast<char>(damaged[at] ^ 0x10);
         EXPECT_NE(complaintAbout(damaged).find(path_.string()), std::string::npos) << "byte " << at;
@@ -240,8 +240,8 @@ TEST_F(CoverageFile, APlaceThatIsNoneIsNoticed) {
         for (const double value : {std::nan(""), HUGE_VAL, -HUGE_VAL}) {
             std::string changed = bytes_;
             std::memcpy(changed.data() + at, &value, sizeof value);
-            const std::uint64_t checksum = XXH3_64bits(changed.data(), kHeaderChecked);
-            std::memcpy(changed.data() + kHeaderChecked, &checksum, sizeof checksum);
+            const std::uint64_t checksum = XXH3_64bits(changed.data(), kCoverageHeaderChecked);
+            std::memcpy(changed.data() + kCoverageHeaderChecked, &checksum, sizeof checksum);
             EXPECT_NE(complaintAbout(changed), "") << at << " " << value;
         }
 }

@@ -10,7 +10,7 @@
 namespace scene {
 namespace {
 
-std::vector<std::vector<Partner>> partnersOf(const std::vector<DepthImage>& images, float minShare = 0.02f) {
+std::vector<std::vector<Partner>> partnersByOverlap(const std::vector<DepthImage>& images, float minShare = 0.02f) {
     std::vector<ImageOutline> outlines;
     for (const DepthImage& image : images)
         outlines.push_back(outlineOf(image));
@@ -41,7 +41,7 @@ double trueShare(const DepthImage& a, const DepthImage& b) {
 
 TEST(Pairs, SeeTheOverlapThatIsThere) {
     const std::vector<DepthImage> images = imagesOfBareRoom(8);
-    const auto partners = partnersOf(images);
+    const auto partners = partnersByOverlap(images);
     int overlapping = 0;
     for (std::size_t a = 0; a < images.size(); ++a)
         for (std::size_t b = 0; b < images.size(); ++b) {
@@ -70,7 +70,7 @@ TEST(Pairs, AreNotFoundBetweenRoomsFarApart) {
         images.push_back(images[i]);
         images.back().worldFromCamera.translation += glm::dvec3(5000, -3000, 0);
     }
-    const auto partners = partnersOf(images);
+    const auto partners = partnersByOverlap(images);
     for (std::size_t a = 0; a < 8; ++a) {
         EXPECT_FALSE(partners[a].empty()) << a;
         for (const Partner& partner : partners[a])
@@ -86,7 +86,7 @@ TEST(Pairs, GrowLinearlyAlongACorridor) {
             images.push_back(imageOf({32, 24, 16, 16, 16, 12}, {glm::dmat3(1.0), {0.5 * i, 0, 0}},
                                      [](double, double) { return 0.5; }));
         std::size_t pairs = 0;
-        for (const auto& list : partnersOf(images)) {
+        for (const auto& list : partnersByOverlap(images)) {
             EXPECT_LE(list.size(), 16u);
             pairs += list.size();
         }
@@ -105,7 +105,7 @@ TEST(Pairs, AreFoundOnAFlatWallInSpiteOfRegistration) {
     for (const double off : {0.0, 0.01, -0.01})
         images.push_back(
             imageOf(smallCamera(), {glm::dmat3(1.0), {10 * off, 0, off}}, [](double, double) { return 0.5; }));
-    const auto partners = partnersOf(images);
+    const auto partners = partnersByOverlap(images);
     for (std::size_t i = 0; i < images.size(); ++i)
         EXPECT_EQ(partners[i].size(), 2u) << "image " << i;
 }
@@ -120,7 +120,7 @@ TEST(Pairs, OfEmptyAndSparseImages) {
             if (x % 2 || y % 2) images[2].flags(x, y) = kNoSurface;
             images[3].flags(x, y) = kNoSurface;
         }
-    const auto partners = partnersOf(images);
+    const auto partners = partnersByOverlap(images);
     EXPECT_TRUE(find(partners[0], 2));
     EXPECT_TRUE(partners[3].empty());
     for (const auto& list : partners)

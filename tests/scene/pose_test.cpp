@@ -15,7 +15,7 @@ namespace {
 constexpr int kTrials = 500;
 constexpr double kRounding = 1e-14;         ///< of a rotation's entries after a few products
 constexpr double kFarRoundingMetres = 1e-7; ///< 10^7 m times a few units in the last place
-constexpr double kTolerance = 1e-3;         ///< as manifests of real captures need
+constexpr double kPoseTolerance = 1e-3;     ///< as manifests of real captures need
 
 double largestEntry(const glm::dmat3& matrix) {
     double largest = 0;
@@ -78,7 +78,7 @@ TEST(Pose, MatrixGivesThePoseBack) {
     for (int trial = 0; trial < kTrials; ++trial) {
         const Pose bFromA = random.pose(10, kFarFromOrigin);
         Pose back;
-        ASSERT_TRUE(poseFromMatrix(toMatrix(bFromA), kTolerance, back));
+        ASSERT_TRUE(poseFromMatrix(toMatrix(bFromA), kPoseTolerance, back));
         expectSame(back, bFromA, 1e-300);
     }
 }
@@ -91,7 +91,7 @@ TEST(Pose, RoundedMatrixIsMadeARotationExactly) {
             for (int row = 0; row < 3; ++row)
                 matrix[column][row] = std::round(matrix[column][row] * 1e4) / 1e4;
         Pose pose;
-        ASSERT_TRUE(poseFromMatrix(matrix, kTolerance, pose));
+        ASSERT_TRUE(poseFromMatrix(matrix, kPoseTolerance, pose));
         expectRotation(pose.rotation);
         EXPECT_LT(largestEntry(pose.rotation - glm::dmat3(matrix)), 2e-4);
     }
@@ -102,7 +102,7 @@ class RefusedMatrix : public testing::Test {
     void expectRefused(const glm::dmat4& matrix) {
         const Pose before = RandomPlaces(8).pose(10);
         Pose pose = before;
-        EXPECT_FALSE(poseFromMatrix(matrix, kTolerance, pose));
+        EXPECT_FALSE(poseFromMatrix(matrix, kPoseTolerance, pose));
         EXPECT_EQ(pose.rotation, before.rotation);
         EXPECT_EQ(pose.translation, before.translation);
     }

@@ -12,7 +12,7 @@
 namespace scene {
 namespace {
 
-constexpr int kTrials = 2000;
+constexpr int kViewTrials = 2000;
 
 /// A sample (x, y, disparity) of a source image.
 struct Sample {
@@ -36,7 +36,7 @@ class ViewFrom : public testing::TestWithParam<glm::dvec3> {};
 
 TEST_P(ViewFrom, TheReferencePositionIsTheIdentity) {
     RandomPlaces random(1);
-    for (int trial = 0; trial < kTrials; ++trial) {
+    for (int trial = 0; trial < kViewTrials; ++trial) {
         const Camera camera = random.camera();
         const Pose worldFromSource = random.pose(10, GetParam());
         const Sample sample = drawSample(random, camera, trial);
@@ -53,7 +53,7 @@ TEST_P(ViewFrom, TheReferencePositionIsTheIdentity) {
 TEST_P(ViewFrom, SamplesAreSeenWhereTheirPointsProject) {
     RandomPlaces random(2);
     int seenCount = 0;
-    for (int trial = 0; trial < kTrials; ++trial) {
+    for (int trial = 0; trial < kViewTrials; ++trial) {
         const Camera source = random.camera();
         const View eye{random.camera(), random.pose(0.5, GetParam())};
         const Pose worldFromSource = random.pose(0.5, GetParam());
@@ -72,14 +72,14 @@ TEST_P(ViewFrom, SamplesAreSeenWhereTheirPointsProject) {
         EXPECT_LT(glm::length(glm::dvec2(seen) - truth), 1e-8 * slant / pInEye.z);
         EXPECT_NEAR(seen.z * pInEye.z, 1.0, 1e-11 / pInEye.z);
     }
-    EXPECT_GT(seenCount, kTrials / 4);
+    EXPECT_GT(seenCount, kViewTrials / 4);
 }
 
 // 0.1 mm from a surface, two nanometres of error are already 0.01 pixels.
 TEST_P(ViewFrom, ATenthOfAMillimetreFromASurface) {
     RandomPlaces random(3);
     const Camera camera{1024, 1024, 700, 700, 512, 512};
-    for (int trial = 0; trial < kTrials; ++trial) {
+    for (int trial = 0; trial < kViewTrials; ++trial) {
         const Pose worldFromSource = random.pose(10, GetParam());
         const Sample sample{random.between(0, 1024), random.between(0, 1024), 0.5};
         const glm::dvec3 pInSource = rayThrough(camera, sample.x, sample.y) / sample.disparity;
@@ -101,7 +101,7 @@ INSTANTIATE_TEST_SUITE_P(NearAndFar, ViewFrom, testing::Values(glm::dvec3(0.0), 
 TEST(Eyes, StandAsFarApartAsTheyShouldAndLookInParallel) {
     RandomPlaces random(4);
     const Camera camera{640, 480, 500, 510, 320, 240};
-    for (int trial = 0; trial < kTrials; ++trial) {
+    for (int trial = 0; trial < kViewTrials; ++trial) {
         const double apart = random.between(0, 0.1);
         const Pose worldFromHead = random.pose(10, trial % 2 == 0 ? glm::dvec3(0.0) : kFarFromOrigin);
         const auto [left, right] = eyesOf(camera, worldFromHead, apart);

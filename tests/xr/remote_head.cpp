@@ -91,14 +91,14 @@ class Writer {
 
 using Clock = std::chrono::steady_clock;
 
-[[noreturn]] void fail(const std::string& what) {
+[[noreturn]] void failSetting(const std::string& what) {
     throw std::runtime_error("Monado's remote head: " + what + ": " + std::strerror(errno));
 }
 
 /// Blocks on loopback for no longer than it takes to be accepted or refused. -1 if nobody listens there yet.
 int connectTo(std::uint16_t port) {
     const int descriptor = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
-    if (descriptor < 0) fail("cannot make a socket");
+    if (descriptor < 0) failSetting("cannot make a socket");
     sockaddr_in address{};
     address.sin_family = AF_INET;
     address.sin_port = htons(port);
@@ -112,7 +112,7 @@ int connectTo(std::uint16_t port) {
     const int reason = errno;
     close(descriptor);
     errno = reason;
-    if (reason != ECONNREFUSED) fail("cannot connect to port " + std::to_string(port));
+    if (reason != ECONNREFUSED) failSetting("cannot connect to port " + std::to_string(port));
     return -1;
 }
 
@@ -142,7 +142,7 @@ RemoteHead::RemoteHead(std::uint16_t port, std::chrono::milliseconds patience) :
     const Clock::time_point deadline = Clock::now() + patience;
     // No event tells that another process listens to a port; asking costs nothing.
     while ((socket_ = connectTo(port)) < 0) {
-        if (Clock::now() > deadline) fail("nobody listens to port " + std::to_string(port));
+        if (Clock::now() > deadline) failSetting("nobody listens to port " + std::to_string(port));
         poll(nullptr, 0, 2);
     }
     // It greets with the state it starts from and the one it has.
@@ -159,7 +159,7 @@ void RemoteHead::send(const RemoteState& state) {
     const RemotePacket packet = packetOf(state);
     // Shorter than any socket's buffer, which is empty: the last packet was taken.
     if (::send(socket_, packet.data(), packet.size(), MSG_NOSIGNAL) != static_cast<ssize_t>(packet.size()))
-        fail("cannot send");
+        failSetting("cannot send");
     // As get_monado.sh corrects it, Monado sends back what it took.
     RemotePacket taken;
     receive(taken.data(), taken.size());
@@ -173,12 +173,12 @@ void RemoteHead::receive(std::byte* bytes, std::size_t count) {
         pollfd readable{socket_, POLLIN, 0};
         if (poll(&readable, 1, static_cast<int>(std::max<long>(left, 0))) == 0) {
             errno = ETIMEDOUT;
-            fail("no answer");
+            failSetting("no answer");
         }
         const ssize_t received = recv(socket_, bytes, count, 0);
         if (received == 0) errno = ECONNRESET;
         if (received < 0 && errno == EINTR) continue;
-        if (received <= 0) fail("no answer");
+        if (received <= 0) failSetting("no answer");
         bytes += received;
         count -= static_cast<std::size_t>(received);
     }

@@ -17,8 +17,6 @@
 namespace scene {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
-
 /// Something with detail of many sizes in every direction, in [0, 1].
 double albedoTowards(const glm::dvec3& direction, double contrast) {
     double value = 0.5;

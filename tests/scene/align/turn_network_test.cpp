@@ -14,7 +14,6 @@ namespace {
 using testing::ElementsAre;
 using testing::IsEmpty;
 
-constexpr double kDegree = std::numbers::pi / 180;
 const Eigen::Matrix3d kSquare = Eigen::Matrix3d::Identity() * (kDegree * kDegree);
 
 OwnTurn own(std::size_t photograph, double deviationDegrees, bool isSure = true) {
