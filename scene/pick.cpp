@@ -2,10 +2,10 @@
 
 #include "scene/coverage_ray.h"
 #include "scene/tile_chunks.h"
+#include "scene/tile_warp.h"
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <vector>
 
@@ -93,8 +93,7 @@ Image<double> disparitiesOf(const ZBuffer& zBuffer) {
     Image<double> disparities(zBuffer.width(), zBuffer.height(), -1);
     for (std::size_t i = 0; i < zBuffer.size(); ++i) {
         const std::uint64_t key = zBuffer.pixels()[i];
-        if (key != 0)
-            disparities.pixels()[i] = static_cast<double>(std::bit_cast<float>(static_cast<std::uint32_t>(key >> 32)));
+        if (key != 0) disparities.pixels()[i] = static_cast<double>(eyeDisparityOf(key));
     }
     return disparities;
 }

@@ -59,9 +59,28 @@ inline Projected projectVertex(const TileWarp& warp, std::uint32_t place) {
     return {h.x * perW, h.y * perW, perW, disparity};
 }
 
+/// What a point covers besides the pixel it stands in keeps this share of its disparity: where squares of one surface
+/// lie over one another, a pixel then shows the sample that stands in it and not one beside it that is nearer to the
+/// eye. More than neighbouring samples of a slanted surface differ by, and less than an order level.
+inline constexpr float kRimShare = 0.99f, kPerRimShare = 1.0f / 0.99f;
+
 inline std::uint64_t keyOf(float disparity, std::uint32_t colour, std::uint32_t levelAndClass) {
-    return static_cast<std::uint64_t>(std::bit_cast<std::uint32_t>(disparity)) << 32 | (colour & 0xffffffu) << 8 |
+    return static_cast<std::uint64_t>(std::bit_cast<std::uint32_t>(disparity) & ~1u) << 32 | (colour & 0xffffffu) << 8 |
            levelAndClass;
+}
+
+/// The key of such a pixel of a point that has this one where it stands. What is infinitely far has no rim.
+inline std::uint64_t rimOf(std::uint64_t key) {
+    const float disparity = std::bit_cast<float>(static_cast<std::uint32_t>(key >> 32));
+    const std::uint32_t high = disparity > 0 ? std::bit_cast<std::uint32_t>(disparity * kRimShare) | 1u : 0u;
+    return std::uint64_t{high} << 32 | (key & 0xffffffffu);
+}
+
+/// The eye's disparity in a key that is not 0: its order's with what pushed it back taken off.
+inline float eyeDisparityOf(std::uint64_t key) {
+    const auto high = static_cast<std::uint32_t>(key >> 32);
+    const float disparity = std::bit_cast<float>(high & ~1u) * orderScale(static_cast<int>(key >> 2 & 63u));
+    return (high & 1u) != 0 ? disparity * kPerRimShare : disparity;
 }
 
 } // namespace scene

@@ -1,6 +1,6 @@
 #include "scene/warp.h"
 
-#include <bit>
+#include "scene/tile_warp.h"
 
 namespace scene {
 
@@ -13,8 +13,7 @@ EyeImage resolve(const ZBuffer& zBuffer) {
             if (key == 0) continue;
             const auto byte = [&](int shift) { return static_cast<std::uint8_t>(key >> shift & 255u); };
             eye.colour(x, y) = {byte(8), byte(16), byte(24)};
-            eye.depthMetres(x, y) =
-                1.f / (std::bit_cast<float>(static_cast<std::uint32_t>(key >> 32)) * orderScale(byte(0) >> 2));
+            eye.depthMetres(x, y) = 1.f / eyeDisparityOf(key);
             eye.pixelClass(x, y) = byte(0) & 3;
         }
     return eye;

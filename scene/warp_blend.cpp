@@ -23,9 +23,7 @@ Image<Front> frontOf(const ZBuffer& zBuffer) {
     for (std::size_t i = 0; i < front.size(); ++i) {
         const std::uint64_t key = zBuffer.pixels()[i];
         const auto low = static_cast<std::uint32_t>(key);
-        front.pixels()[i] = {std::bit_cast<float>(static_cast<std::uint32_t>(key >> 32)) *
-                                 orderScale(static_cast<int>(low >> 2 & 63u)),
-                             low & 3u};
+        front.pixels()[i] = {eyeDisparityOf(key), low & 3u};
     }
     return front;
 }

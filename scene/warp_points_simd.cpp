@@ -29,6 +29,8 @@ struct Batch {
     HWY_ALIGN std::uint32_t keys[2 * kCapacity]; ///< low and high word of each
     HWY_ALIGN std::int32_t x[kCapacity];         ///< footprint 1: the pixel's index
     HWY_ALIGN std::int32_t y[kCapacity];
+    HWY_ALIGN std::int32_t ownX[kCapacity]; ///< the pixel that it stands in; not for footprint 1
+    HWY_ALIGN std::int32_t ownY[kCapacity];
     std::size_t count = 0;
 
     std::uint64_t key(std::size_t i) const {
@@ -55,9 +57,12 @@ inline void scatterSquares(Batch& batch, int side, const ImageView<std::uint64_t
         if (key == 0) continue;
         const int x0 = std::max(batch.x[i], 0), x1 = std::min(batch.x[i] + side, zBuffer.width);
         const int y0 = std::max(batch.y[i], 0), y1 = std::min(batch.y[i] + side, zBuffer.height);
+        const std::uint64_t rim = rimOf(key);
         for (int y = y0; y < y1; ++y)
-            for (int x = x0; x < x1; ++x)
-                zBuffer(x, y) = std::max(zBuffer(x, y), key);
+            for (int x = x0; x < x1; ++x) {
+                const bool isOwn = x == batch.ownX[i] && y == batch.ownY[i];
+                zBuffer(x, y) = std::max(zBuffer(x, y), isOwn ? key : rim);
+            }
     }
     batch.count = 0;
 }
@@ -106,7 +111,8 @@ RowRange drawPointsOf(const TileWarp& warp, std::span<const TileVertex> vertices
         };
         const auto w = row(2), perW = hn::Div(one, w);
         const auto disparity = hn::Mul(hn::Add(set(warp.minDisparity), hn::Mul(q, set(warp.disparityStep))), perW);
-        auto left = hn::Sub(hn::Mul(row(0), perW), half), top = hn::Sub(hn::Mul(row(1), perW), half);
+        const auto u = hn::Mul(row(0), perW), v = hn::Mul(row(1), perW);
+        auto left = hn::Sub(u, half), top = hn::Sub(v, half);
         if (!isPixel) left = hn::Floor(left), top = hn::Floor(top);
 
         const auto isInEye =
@@ -118,9 +124,10 @@ RowRange drawPointsOf(const TileWarp& warp, std::span<const TileVertex> vertices
 
         const auto low = hn::Or(hn::ShiftLeft<8>(colour), hn::Set(words, warp.levelAndClass));
         const auto isDrawnWord = hn::RebindMask(words, isDrawn);
-        hn::StoreInterleaved2(hn::IfThenElseZero(isDrawnWord, low),
-                              hn::IfThenElseZero(isDrawnWord, hn::BitCast(words, disparity)), words,
-                              batch.keys + 2 * batch.count);
+        hn::StoreInterleaved2(
+            hn::IfThenElseZero(isDrawnWord, low),
+            hn::IfThenElseZero(isDrawnWord, hn::AndNot(hn::Set(words, 1u), hn::BitCast(words, disparity))), words,
+            batch.keys + 2 * batch.count);
         const auto isDrawnInt = hn::RebindMask(ints, isDrawn);
         const auto pixelX = hn::ConvertTo(ints, hn::IfThenElseZero(isDrawn, left));
         const auto pixelY = hn::ConvertTo(ints, hn::IfThenElseZero(isDrawn, top));
@@ -134,6 +141,11 @@ RowRange drawPointsOf(const TileWarp& warp, std::span<const TileVertex> vertices
         } else {
             hn::Store(pixelX, ints, x);
             hn::Store(pixelY, ints, batch.y + batch.count);
+            const auto pixelOf = [&](const auto& position) HWY_ATTR {
+                return hn::ConvertTo(ints, hn::IfThenElseZero(isDrawn, hn::Floor(position)));
+            };
+            hn::Store(pixelOf(u), ints, batch.ownX + batch.count);
+            hn::Store(pixelOf(v), ints, batch.ownY + batch.count);
         }
         batch.count += lanes;
         if (batch.count + lanes > Batch::kCapacity) flush();

@@ -62,11 +62,14 @@ void put(uint eye, int pixel, uint64_t key)
     }
 }
 
-void drawSquare(EyeDraw own, ivec2 corner, uint64_t key)
+void drawSquare(EyeDraw own, ivec2 corner, vec3 seen, uint colour) // as in warp_points.comp
 {
+    uvec2 key = packKey(seen.z, colour, own.levelAndClass), rim = rimOf(key);
+    ivec2 stands = ivec2(floor(seen.xy));
     ivec2 first = max(corner, 0), end = min(corner + own.side, ivec2(constants.width, constants.height));
     for (int y = first.y; y < end.y; ++y)
-        for (int x = first.x; x < end.x; ++x) put(own.eye, y * constants.width + x, key);
+        for (int x = first.x; x < end.x; ++x)
+            put(own.eye, y * constants.width + x, packUint2x32(ivec2(x, y) == stands ? key : rim));
 }
 
 void drawPixel(EyeDraw own, ivec2 pixel, vec3 seen, uint colour)
@@ -106,11 +109,11 @@ void drawSample(EyeDraw own, vec3 at, vec3 chances, uint colour)
         drawCircle(own, corner, seen, colour);
         return;
     }
-    uint64_t key = packUint2x32(packKey(seen.z, colour, own.levelAndClass));
     if (side == 1)
-        put(own.eye, corner.y * constants.width + corner.x, key);
+        put(own.eye, corner.y * constants.width + corner.x,
+            packUint2x32(packKey(seen.z, colour, own.levelAndClass)));
     else
-        drawSquare(own, corner, key);
+        drawSquare(own, corner, seen, colour);
 }
 
 void main()

@@ -1,5 +1,6 @@
 #version 460
-// Every kept sample of a tile is a square of pixels of one depth and colour (Nyland et al. 1999, section 5.1).
+// Every kept sample of a tile is a square of pixels of one depth and colour (Nyland et al. 1999, section 5.1);
+// those of its pixels that it does not stand in give way to what does (z_key.h).
 // One workgroup draws one tile; its invocations take the samples in turns.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
@@ -15,9 +16,9 @@ layout(local_size_x_id = 0) in;
 layout(set = 0, binding = 0) uniform usamplerBuffer vertices;
 layout(push_constant) uniform Constants { WarpConstants constants; };
 
-void drawPixel(int at, float disparity, uint64_t key)
+void drawPixel(int at, uvec2 key)
 {
-    if (!isHidden(at, disparity)) atomicMax(zBuffer[at], key);
+    if (!isHidden(at, uintBitsToFloat(key.y))) atomicMax(zBuffer[at], packUint2x32(key));
 }
 
 uint rowOf(TileDraw draw, uint item)
@@ -44,18 +45,21 @@ void main()
             if (!isOfDetail(draw, at.x, at.y, h.z)) continue;
         }
         vec3 seen = project(h);
-        uint64_t key = packUint2x32(packKey(seen.z, vertex.y, levelAndClass));
+        uvec2 key = packKey(seen.z, vertex.y, levelAndClass);
         float left = firstOfFootprint(seen.x, size), top = firstOfFootprint(seen.y, size);
         // Compared as floats: far outside, the conversion to int is undefined.
         if (IS_PLAIN != 0u) { // one pixel
             if (left >= 0.0f && left < width && top >= 0.0f && top < height)
-                drawPixel(int(top) * constants.width + int(left), seen.z, key);
+                drawPixel(int(top) * constants.width + int(left), key);
             continue;
         }
         if (!(left > -float(size) && left < width && top > -float(size) && top < height)) continue;
         ivec2 first = max(ivec2(left, top), 0);
         ivec2 end = min(ivec2(left, top) + size, ivec2(constants.width, constants.height));
+        ivec2 own = ivec2(floor(seen.xy));
+        uvec2 rim = rimOf(key);
         for (int y = first.y; y < end.y; ++y)
-            for (int x = first.x; x < end.x; ++x) drawPixel(y * constants.width + x, seen.z, key);
+            for (int x = first.x; x < end.x; ++x)
+                drawPixel(y * constants.width + x, ivec2(x, y) == own ? key : rim);
     }
 }

@@ -1,9 +1,8 @@
 #include "scene/plan/unknown_space.h"
 
 #include "scene/cube.h"
+#include "scene/tile_warp.h"
 #include "scene/warp.h"
-
-#include <bit>
 
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
@@ -25,10 +24,6 @@ View faceAbout(const glm::dvec3& place, const glm::dmat3& rotation, int size) {
     view.worldFromEye.rotation = rotation;
     view.worldFromEye.translation = place;
     return view;
-}
-
-float disparityOf(std::uint64_t key) {
-    return std::bit_cast<float>(static_cast<std::uint32_t>(key >> 32));
 }
 
 } // namespace
@@ -75,8 +70,8 @@ UnknownCount UnknownSpace::countAt(const glm::dvec3& place, std::span<const std:
             warpPoints(blocks, view, options, samples);
             for (std::size_t i = 0; i < known.size(); ++i) {
                 const std::uint64_t sample = samples.pixels()[i];
-                if (sample != 0 && disparityOf(sample) >= behind * disparityOf(mesh.pixels()[i]))
-                    known.pixels()[i] = std::max(known.pixels()[i], disparityOf(sample));
+                if (sample != 0 && eyeDisparityOf(sample) >= behind * eyeDisparityOf(mesh.pixels()[i]))
+                    known.pixels()[i] = std::max(known.pixels()[i], eyeDisparityOf(sample));
             }
         }
         for (const float disparity : known.pixels()) {

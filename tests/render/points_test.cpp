@@ -99,6 +99,18 @@ TEST_F(PointsTest, FootprintsCloseTheHolesOfAMagnifiedPlane) {
     EXPECT_LT(coverage(drawOnce(scene, nearer, quality)), 0.5);
 }
 
+/// Of wide squares that lie over one another each pixel shows the sample that stands in it: not the one beside it that
+/// is nearer to the eye.
+TEST_F(PointsTest, SquaresOfASlantedSurfaceGiveWayToThePixelsOfOthers) {
+    const CutScene plane = cut({takePlane(cameraOf(100, 100, 1.5), {0.15, 0.06, 1}, 2)});
+    const GpuScene scene(testDevice(), plane.blocks());
+    const scene::View own{cameraOf(100, 100, 1.5), {}};
+    const EyeImage narrow = drawOnce(scene, own, {.maxFootprint = 1});
+    const EyeImage wide = drawOnce(scene, own, {.maxFootprint = 4, .footprintScale = 4});
+    EXPECT_EQ(coverage(wide), 1.0);
+    EXPECT_TRUE(wide.colour == narrow.colour && wide.depthMetres == narrow.depthMetres);
+}
+
 TEST_F(PointsTest, SquaresCloseWhatIsTooNearForPoints) {
     const CutScene plane = cut({takePlane(cameraOf(100, 100, 1.5), {0.2, 0, 1}, 2)});
     const GpuScene scene(testDevice(), plane.blocks());

@@ -72,6 +72,19 @@ void put(ReferenceImage& image, int x, int y, double disparity, scene::Rgb8 colo
     image.colour(x, y) = colour;
 }
 
+/// What is drawn in an order of its own: depth by which pixels are taken, beside the one that they show.
+struct Ordered {
+    ReferenceImage shown;
+    scene::Image<double> order; ///< as a disparity
+
+    void put(int x, int y, double orderDisparity, const Seen& seen) {
+        if (x < 0 || y < 0 || x >= order.width() || y >= order.height() || orderDisparity <= order(x, y)) return;
+        order(x, y) = orderDisparity;
+        shown.disparity(x, y) = seen.disparity;
+        shown.colour(x, y) = seen.colour;
+    }
+};
+
 double cross(const Seen& a, const Seen& b, double x, double y) {
     return (b.u - a.u) * (y - a.v) - (b.v - a.v) * (x - a.u);
 }
@@ -114,7 +127,8 @@ void drawTriangle(ReferenceImage& image, const std::array<Seen, 3>& corner) {
 } // namespace
 
 ReferenceImage referencePoints(std::span<const scene::TileBlock> blocks, const scene::View& view, int maxFootprint) {
-    ReferenceImage image = emptyImage(view.camera);
+    constexpr double kNearnessOfRim = 0.99;
+    Ordered image{emptyImage(view.camera), {view.camera.width, view.camera.height, -1.0}};
     for (const scene::TileBlock& block : blocks)
         for (const scene::Tile& tile : block.tiles) {
             const int size = footprintOf(block, view, tile, maxFootprint);
@@ -124,11 +138,13 @@ ReferenceImage referencePoints(std::span<const scene::TileBlock> blocks, const s
                 const int left = static_cast<int>(std::floor(seen.u - 0.5 * (size - 1)));
                 const int top = static_cast<int>(std::floor(seen.v - 0.5 * (size - 1)));
                 for (int y = top; y < top + size; ++y)
-                    for (int x = left; x < left + size; ++x)
-                        put(image, x, y, seen.disparity, seen.colour);
+                    for (int x = left; x < left + size; ++x) {
+                        const bool isMiddle = x == std::floor(seen.u) && y == std::floor(seen.v);
+                        image.put(x, y, isMiddle ? seen.disparity : seen.disparity * kNearnessOfRim, seen);
+                    }
             }
         }
-    return image;
+    return image.shown;
 }
 
 ReferenceImage referenceMesh(std::span<const scene::TileBlock> blocks, const scene::View& view) {

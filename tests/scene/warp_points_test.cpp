@@ -47,15 +47,22 @@ void warpOneByOne(std::span<const TileBlock> blocks, const View& eye, const Warp
                     (static_cast<float>(tile.minDisparity * perScale) + q * static_cast<float>(step * perScale)) * perW;
                 if (!(disparity >= 0 && disparity <= 1 / kNearMetres)) continue;
                 const float left = std::floor(h[0] * perW - half), top = std::floor(h[1] * perW - half);
-                const std::uint64_t key = std::uint64_t{std::bit_cast<std::uint32_t>(disparity)} << 32 |
-                                          (vertex.colour & 0xffffffu) << 8 | static_cast<std::uint32_t>(*level) << 2 |
-                                          1u;
+                const std::uint32_t low =
+                    (vertex.colour & 0xffffffu) << 8 | static_cast<std::uint32_t>(*level) << 2 | 1u;
+                // The last bit tells a rim, a hundredth less near.
+                const std::uint32_t order = std::bit_cast<std::uint32_t>(disparity) / 2 * 2;
+                const std::uint32_t behind =
+                    order == 0 ? 0 : std::bit_cast<std::uint32_t>(std::bit_cast<float>(order) * 0.99f) / 2 * 2 + 1;
+                const std::uint64_t key = std::uint64_t{order} << 32 | low, rim = std::uint64_t{behind} << 32 | low;
+                const float ownX = std::floor(h[0] * perW), ownY = std::floor(h[1] * perW);
                 for (int v = 0; v < zBuffer.height(); ++v)
                     for (int u = 0; u < zBuffer.width(); ++u)
                         if (static_cast<float>(u) >= left &&
                             static_cast<float>(u) < left + static_cast<float>(pixels) && static_cast<float>(v) >= top &&
                             static_cast<float>(v) < top + static_cast<float>(pixels))
-                            zBuffer(u, v) = std::max(zBuffer(u, v), key);
+                            zBuffer(u, v) =
+                                std::max(zBuffer(u, v),
+                                         static_cast<float>(u) == ownX && static_cast<float>(v) == ownY ? key : rim);
             }
         }
     }

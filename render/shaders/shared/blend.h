@@ -27,9 +27,7 @@ static_assert(sizeof(BlendDraw) == 144 && sizeof(BlendResolveConstants) == 4);
 
 /// The eye disparity at a pixel of the first pass.
 SHARED_FUNCTION float frontDisparityOf(uvec2 key) {
-    PRECISE float scale = 1.0f + float((key.x >> 2) & 63u) / 63.0f;
-    PRECISE float disparity = uintBitsToFloat(key.y) * scale;
-    return disparity;
+    return eyeDisparityOf(key);
 }
 
 /// Whether a sample of that disparity and class is part of the front surface.

@@ -3,10 +3,11 @@
 // A pixel of an eye's z-buffer: 64 bits that compare as wanted, so that one atomic maximum is depth test and
 // write at once and the order of drawing does not matter.
 //
-//     63 ........ 32 | 31 ..... 8 | 7 .... 2 | 1 . 0     order disparity is never negative, so that its bits order as
-//     it order disparity|  b   g   r |   level  | class     does; 0 is the cleared pixel: nothing there
+//     63 ......... 33 | 32 | 31 ..... 8 | 7 .... 2 | 1 . 0     order disparity is never negative, so that its bits
+//     order order disparity| rim|  b   g   r |   level  | class     as it does; 0 is the cleared pixel: nothing there
 //
-// Order disparity is the eye's over the scale of the order level (scene/preference.h says why).
+// Order disparity is the eye's over the scale of the order level (scene/preference.h says why), and at the rim of a
+// point less by kRimShare. Its last bit is not kept. scene/tile_warp.h is the same on the processor.
 //
 // As uvec2 (low, high): x holds colour and class, y the disparity.
 
@@ -19,9 +20,21 @@ SHARED_CONSTANT uint kClassSeen = 1u;
 SHARED_CONSTANT uint kClassFilled = 2u;
 SHARED_CONSTANT uint kClassUnseen = 3u;
 
+/// What a point covers besides the pixel it stands in keeps this share of its disparity: where squares of one surface
+/// lie over one another, a pixel then shows the sample that stands in it and not one beside it that is nearer to the
+/// eye. As kSplatFalloff: more than neighbouring samples of a slanted surface differ by, less than surfaces that are to
+/// be told apart; and less than an order level.
+SHARED_CONSTANT float kRimShare = 0.99f, kPerRimShare = 1.0f / 0.99f;
+
 /// colour: r | g << 8 | b << 16; what stands above is dropped. levelAndClass: order level << 2 | class.
 SHARED_FUNCTION uvec2 packKey(float orderDisparity, uint colour, uint levelAndClass) {
-    return uvec2((colour << 8) | levelAndClass, floatBitsToUint(orderDisparity));
+    return uvec2((colour << 8) | levelAndClass, floatBitsToUint(orderDisparity) & ~1u);
+}
+
+/// The key at the rim of a point that has this one where it stands. What is infinitely far has no rim.
+SHARED_FUNCTION uvec2 rimOf(uvec2 key) {
+    PRECISE float pushed = uintBitsToFloat(key.y) * kRimShare;
+    return uvec2(key.x, key.y != 0u ? floatBitsToUint(pushed) | 1u : 0u);
 }
 
 /// r | g << 8 | b << 16 | class << 24: what resolve writes.
@@ -32,8 +45,9 @@ SHARED_FUNCTION uint colourAndClassOf(uvec2 key) {
 /// The eye's disparity, 1/m: the order's with its level taken back.
 SHARED_FUNCTION float eyeDisparityOf(uvec2 key) {
     PRECISE float scale = 1.0f + float(int((key.x >> 2) & 63u)) / 63.0f;
-    PRECISE float disparity = uintBitsToFloat(key.y) * scale;
-    return disparity;
+    PRECISE float disparity = uintBitsToFloat(key.y & ~1u) * scale;
+    PRECISE float ofRim = disparity * kPerRimShare;
+    return (key.y & 1u) != 0u ? ofRim : disparity;
 }
 
 /// Metres along z; 0 where nothing is, infinity for what is infinitely far (sky).
