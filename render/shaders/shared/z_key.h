@@ -3,10 +3,11 @@
 // A pixel of an eye's z-buffer: 64 bits that compare as wanted, so that one atomic maximum is depth test and
 // write at once and the order of drawing does not matter.
 //
-//     63 ......... 33 | 32 | 31 ..... 8 | 7 .... 2 | 1 . 0     order disparity is never negative, so that its bits
-//     order order disparity| rim|  b   g   r |   level  | class     as it does; 0 is the cleared pixel: nothing there
+//     63 ......... 33 | 32 | 31 ..... 8 | 7 .... 2 | 1 . 0
+//     order disparity | rim|  b   g   r |   level  | class
 //
-// Order disparity is the eye's over the scale of the order level (scene/preference.h says why), and at the rim of a
+// Order disparity is never negative, so that its bits order as it does; 0 is the cleared pixel: nothing there.
+// It is the eye's over the scale of the order level (scene/preference.h says why), and at the rim of a
 // point less by kRimShare. Its last bit is not kept. scene/tile_warp.h is the same on the processor.
 //
 // As uvec2 (low, high): x holds colour and class, y the disparity.
