@@ -58,7 +58,7 @@ TEST(BlendMath, EveryPixelThatASpotReachesIsTouched) {
 TEST(BlendMath, OnlyTheFrontSurfaceOfItsClass) {
     const float scale = 1.0f + 21.0f / 63.0f;
     const uvec2 key = packKey(0.5f / scale, 0, (21u << 2) | kClassSeen); // 2 m, pushed back by level 21
-    EXPECT_NEAR(frontDisparityOf(key), 0.5f, 1e-6f);
+    EXPECT_NEAR(eyeDisparityOf(key), 0.5f, 1e-6f);
     EXPECT_TRUE(isAtFront(0.52f, kClassSeen, key, 0.05f));
     EXPECT_FALSE(isAtFront(0.53f, kClassSeen, key, 0.05f));
     EXPECT_FALSE(isAtFront(0.47f, kClassSeen, key, 0.05f));

@@ -2,6 +2,7 @@
 #include "render/shaders/shared/tile_draw.h"
 #include "render/shaders/shared/triangle.h"
 #include "render/shaders/shared/z_key.h"
+#include "scene/tile_warp.h"
 #include "tests/render/test_scenes.h"
 
 #include <gtest/gtest.h>
@@ -12,6 +13,8 @@
 
 namespace render {
 namespace {
+
+static_assert(kRimShare == scene::kRimShare, "points of processor and device have one rim");
 
 std::uint32_t placeOf(std::uint32_t x, std::uint32_t y, std::uint32_t q) {
     return x | y << 6 | q << 12;

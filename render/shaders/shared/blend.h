@@ -25,14 +25,9 @@ struct BlendResolveConstants {
 static_assert(sizeof(BlendDraw) == 144 && sizeof(BlendResolveConstants) == 4);
 #endif
 
-/// The eye disparity at a pixel of the first pass.
-SHARED_FUNCTION float frontDisparityOf(uvec2 key) {
-    return eyeDisparityOf(key);
-}
-
-/// Whether a sample of that disparity and class is part of the front surface.
+/// Whether a sample of that disparity and class is part of the front surface: key is of the first pass.
 SHARED_FUNCTION bool isAtFront(float disparity, uint pixelClass, uvec2 key, float tolerance) {
-    float front = frontDisparityOf(key);
+    float front = eyeDisparityOf(key);
     PRECISE float difference = disparity - front;
     PRECISE float most = tolerance * front;
     return (key.x & 3u) == pixelClass && abs(difference) <= most;
