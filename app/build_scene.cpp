@@ -28,6 +28,9 @@ void checkWishes(const BuildOptions& options, const scene::Capture& capture) {
     if (options.movesScans() && how != "auto" && capture.scans.empty())
         throw scene::Failure("is a file about laser scans, and there are none", std::string("--register"),
                              "leave it out");
+    std::error_code error;
+    if (options.movesScans() && how != "auto" && !std::filesystem::is_regular_file(how, error))
+        throw scene::Failure("no such file", how, "say given, auto, or name a file of places on planes");
     if (!options.scanner.empty() && capture.scans.empty())
         throw scene::Failure("is for laser scans, and there are none", std::string("--scanner"), "leave it out");
     if (!capture.polygons.empty() && !options.holdOut.empty())
@@ -91,7 +94,7 @@ scene::Failure damagedStage(const std::string& message, const std::filesystem::p
 } // namespace
 
 void tell(scene::Capture& capture, const std::string& sentence) {
-    std::fprintf(stderr, "note: %s\n", sentence.c_str());
+    std::fprintf(stderr, "note: %s\n", scene::onOneLine(sentence).c_str());
     capture.remarks.push_back(sentence);
 }
 
@@ -109,7 +112,7 @@ void buildScene(const BuildOptions& options) {
     if (capture.polygons.empty() && capture.scans.empty() && heldOut.photos.size() == capture.photos.size())
         throw nothingToBuild(options);
     for (const std::string& remark : capture.remarks)
-        std::fprintf(stderr, "note: %s\n", remark.c_str());
+        std::fprintf(stderr, "note: %s\n", scene::onOneLine(remark).c_str());
 
     std::filesystem::path work = std::filesystem::absolute(options.output).lexically_normal();
     if (!work.has_filename()) work = work.parent_path();

@@ -18,6 +18,7 @@
 #include <tbb/global_control.h>
 
 #include <algorithm>
+#include <csignal>
 #include <cstdio>
 #include <new>
 #include <numbers>
@@ -244,10 +245,12 @@ void addWalk(CLI::App& program, app::WalkOptions& options, std::string& size, st
         ->excludes(desktop)
         ->needs(path);
     walk->add_option("--record", options.record, "path file to write: where the head went");
-    walk->add_option("--out", options.out, "folder for report.json, and for pictures with --picture-every");
+    auto* const out =
+        walk->add_option("--out", options.out, "folder for report.json, and for pictures with --picture-every");
     walk->add_option("--picture-every", options.pictureEvery,
                      "keep what both eyes were given, and cameras.json to draw it again, every so many frames")
-        ->check(CLI::Range(1, 1 << 30));
+        ->check(CLI::Range(1, 1 << 30))
+        ->needs(out);
     walk->add_option("--frames", options.frames, "end after so many")->check(CLI::Range(1, 1 << 30));
     walk->add_option("--rate", options.framesPerSecond,
                      "frames a second: along the path without a display (default 90); of a headset, the nearest it "
@@ -446,12 +449,14 @@ int run(int argc, char** argv) {
 } // namespace
 
 int main(int argc, char** argv) {
+    // A file may not grow beyond what the user is allowed: told where it is written, as a full disk is.
+    std::signal(SIGXFSZ, SIG_IGN);
     try {
         return run(argc, argv);
     } catch (const std::bad_alloc&) {
         std::fprintf(stderr, "revisit: memory: not enough for this; lower --memory, or close other programs\n");
     } catch (const std::exception& e) {
-        std::fprintf(stderr, "revisit: %s\n", e.what());
+        std::fprintf(stderr, "revisit: %s\n", scene::onOneLine(e.what()).c_str());
     }
     return kCouldNot;
 }

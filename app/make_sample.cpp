@@ -352,7 +352,7 @@ int main(int argc, char** argv) {
             app::makeSample(options, camera);
         return 0;
     } catch (const std::exception& failure) {
-        std::cerr << failure.what() << '\n';
+        std::fprintf(stderr, "%s\n", scene::onOneLine(failure.what()).c_str());
         return 1;
     }
 }

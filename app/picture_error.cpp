@@ -44,8 +44,11 @@ double share(std::size_t part, std::size_t whole) {
 
 Truth truthOf(const scene::DepthImage& image) {
     Truth truth{image.colour, {image.camera.width, image.camera.height}};
-    for (std::size_t i = 0; i < truth.depthMetres.size(); ++i)
-        if (scene::isSurface(image.flags.pixels()[i])) truth.depthMetres.pixels()[i] = 1 / image.disparity.pixels()[i];
+    for (std::size_t i = 0; i < truth.depthMetres.size(); ++i) {
+        const std::uint8_t flags = image.flags.pixels()[i];
+        if (scene::isSurface(flags) && !scene::isClosed(flags))
+            truth.depthMetres.pixels()[i] = 1 / image.disparity.pixels()[i];
+    }
     return truth;
 }
 

@@ -12,7 +12,7 @@ struct Truth {
     scene::Image<float> depthMetres;
 };
 
-/// Guesses of range are not truth.
+/// Guesses of range, and surface that was closed or moved (scene::isClosed), are not truth.
 Truth truthOf(const scene::DepthImage& image);
 
 /// A mean square error of 0 counts as this many decibels, so that means over pictures stay finite.

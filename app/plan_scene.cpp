@@ -61,6 +61,9 @@ void planScene(const PlanOptions& options) {
     if (picture == options.out)
         throw scene::Failure("is the name of the picture", options.out,
                              "give the name of the JSON file, as plan.json; the picture stands beside it");
+    const std::filesystem::path folder = std::filesystem::absolute(options.out).parent_path();
+    if (!std::filesystem::is_directory(folder)) // said now, not when all is found out
+        throw scene::Failure("no such folder", folder, "make it, or name a file elsewhere");
     const scene::Scene scene = scene::openScene(options.scene);
     if (!scene.coverage)
         throw scene::Failure("does not say what was never observed", options.scene,

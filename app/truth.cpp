@@ -18,19 +18,22 @@ namespace {
 
 constexpr std::array kPictureEndings{".png", ".jpg", ".jpeg"};
 
-cv::Mat pictureFrom(const std::filesystem::path& path, scene::PictureKind kind) {
-    const std::vector<std::byte> bytes = readWhole(path);
-    const auto* const first = reinterpret_cast<const std::uint8_t*>(bytes.data());
-    cv::Mat picture = scene::decodePicture({first, bytes.size()}, kind);
-    if (picture.empty()) throw scene::Failure("is no picture", path, "give the picture that the camera took");
-    return picture;
-}
-
 void requireSize(int width, int height, const scene::Camera& camera, const std::filesystem::path& path) {
     if (width == camera.width && height == camera.height) return;
     throw scene::Failure("has " + std::to_string(width) + "x" + std::to_string(height) + " pixels, but its camera " +
                              std::to_string(camera.width) + "x" + std::to_string(camera.height),
                          path, "give the size of the picture in the cameras file");
+}
+
+/// Of the camera's size, which is asked for before memory is taken for it.
+cv::Mat pictureFrom(const std::filesystem::path& path, scene::PictureKind kind, const scene::Camera& camera) {
+    const std::vector<std::byte> whole = readWhole(path);
+    const std::span bytes(reinterpret_cast<const std::uint8_t*>(whole.data()), whole.size());
+    if (const auto size = scene::sizeInHeader(bytes)) requireSize(size->width, size->height, camera, path);
+    cv::Mat picture = scene::decodePicture(bytes, kind);
+    if (picture.empty()) throw scene::Failure("is no picture", path, "give the picture that the camera took");
+    requireSize(picture.cols, picture.rows, camera, path);
+    return picture;
 }
 
 Truth readDepthImage(const std::filesystem::path& path, const scene::Camera& camera) {
@@ -42,17 +45,15 @@ Truth readDepthImage(const std::filesystem::path& path, const scene::Camera& cam
 /// stem: the camera's name in its folder.
 Truth readPictures(const std::filesystem::path& colourPath, const std::string& stem, const scene::Camera& camera) {
     const std::filesystem::path depthPath = stem + "-depth.tiff", classPath = stem + "-class.png";
-    const cv::Mat3b colour = pictureFrom(colourPath, scene::PictureKind::colour);
-    requireSize(colour.cols, colour.rows, camera, colourPath);
+    const cv::Mat3b colour = pictureFrom(colourPath, scene::PictureKind::colour, camera);
     Truth truth{{camera.width, camera.height}, {}};
     for (int y = 0; y < camera.height; ++y)
         for (int x = 0; x < camera.width; ++x)
             truth.colour(x, y) = {colour(y, x)[2], colour(y, x)[1], colour(y, x)[0]};
     if (!std::filesystem::exists(depthPath)) return truth;
-    const cv::Mat depth = pictureFrom(depthPath, scene::PictureKind::asStored);
+    const cv::Mat depth = pictureFrom(depthPath, scene::PictureKind::asStored, camera);
     if (depth.type() != CV_32FC1)
         throw scene::Failure("is not of 32 bit floating point", depthPath, "give depth in metres, or none");
-    requireSize(depth.cols, depth.rows, camera, depthPath);
     truth.depthMetres = {camera.width, camera.height};
     for (int y = 0; y < camera.height; ++y)
         for (int x = 0; x < camera.width; ++x) {
@@ -60,11 +61,10 @@ Truth readPictures(const std::filesystem::path& colourPath, const std::string& s
             truth.depthMetres(x, y) = metres > 0 ? metres : 0;
         }
     if (!std::filesystem::exists(classPath)) return truth;
-    const cv::Mat pixelClass = pictureFrom(classPath, scene::PictureKind::asStored);
+    const cv::Mat pixelClass = pictureFrom(classPath, scene::PictureKind::asStored, camera);
     if (pixelClass.type() != CV_8UC1)
         throw scene::Failure("is not grey with 8 bit", classPath,
                              "give classes as `render --aux` writes them, or none");
-    requireSize(pixelClass.cols, pixelClass.rows, camera, classPath);
     for (int y = 0; y < camera.height; ++y)
         for (int x = 0; x < camera.width; ++x)
             if (pixelClass.at<std::uint8_t>(y, x) != render::kClassSeen) truth.depthMetres(x, y) = 0;

@@ -34,9 +34,15 @@ void chooseBlendDraws(const SceneIndex& scene, std::span<const ChunkPlace> place
     const std::vector<TilePiece>& pieces = scene.pieces;
     const float unit = scene::blendUnitOf(sources.size());
     // Every piece chooses in its own part of the scratch arrays; then the parts are put together in order.
-    list.numbers.resize(tiles.size());
-    list.spots.resize(tiles.size());
     list.counts.assign(visible.pieces.size(), 0);
+    list.firstOfPiece.resize(visible.pieces.size());
+    std::uint32_t room = 0;
+    for (std::size_t p = 0; p < visible.pieces.size(); ++p) {
+        list.firstOfPiece[p] = room;
+        room += visible.counts[p];
+    }
+    list.numbers.resize(room);
+    list.spots.resize(room);
     tbb::parallel_for(std::size_t{0}, visible.pieces.size(), [&](std::size_t p) {
         const TilePiece& piece = pieces[visible.pieces[p]];
         if (piece.image >= sources.size()) return; // a coarser level
@@ -52,7 +58,7 @@ void chooseBlendDraws(const SceneIndex& scene, std::span<const ChunkPlace> place
             if (!spot) continue;
             const float weight = sources[tile.image].share * spot->weight;
             if (unit * weight < 0.5f) continue; // would count nothing anywhere
-            const std::uint32_t place = piece.first + list.counts[p]++;
+            const std::uint32_t place = list.firstOfPiece[p] + list.counts[p]++;
             list.numbers[place] = number;
             list.spots[place] = *spot;
             list.spots[place].weight = weight;
@@ -64,7 +70,7 @@ void chooseBlendDraws(const SceneIndex& scene, std::span<const ChunkPlace> place
     list.tiles = 0;
     for (std::size_t p = 0; p < visible.pieces.size(); ++p)
         for (std::uint32_t i = 0; i < list.counts[p]; ++i) {
-            const std::uint32_t place = pieces[visible.pieces[p]].first + i, number = list.numbers[place];
+            const std::uint32_t place = list.firstOfPiece[p] + i, number = list.numbers[place];
             const ResidentTile& tile = tiles[number];
             const std::uint32_t page = places[tile.chunk].page;
             if (list.runs.empty() || list.runs.back().page != page) list.runs.push_back({page, list.tiles, 0});

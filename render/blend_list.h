@@ -15,10 +15,11 @@ struct BlendList {
     std::vector<DrawRun> runs;
     std::uint32_t tiles = 0;
     std::uint64_t items = 0; ///< samples
-    /// Scratch, kept from frame to frame: the tiles to draw, what their samples become, how many of each piece.
+    /// Scratch, kept from frame to frame: the tiles to draw, what their samples become, how many of each piece and
+    /// where those of each begin.
     std::vector<std::uint32_t> numbers;
     std::vector<scene::BlendSpot> spots;
-    std::vector<std::uint32_t> counts;
+    std::vector<std::uint32_t> counts, firstOfPiece;
 };
 
 /// Whether any tile of a piece of a captured image may be added.

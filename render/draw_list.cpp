@@ -304,14 +304,19 @@ void chooseDraws(const SceneIndex& scene, std::span<const ChunkPlace> places, st
     };
 
     // Every piece chooses in its own part of the scratch arrays; then the parts are put together in order.
-    const std::vector<TilePiece>& pieces = scene.pieces;
-    list.chosen.resize(kDrawsPerTile * scene.tiles.size());
     list.counts.assign(visible.pieces.size(), 0);
+    list.firstOfPiece.resize(visible.pieces.size());
+    std::uint32_t room = 0;
+    for (std::size_t p = 0; p < visible.pieces.size(); ++p) {
+        list.firstOfPiece[p] = room;
+        room += kDrawsPerTile * visible.counts[p];
+    }
+    list.chosen.resize(room);
     tbb::parallel_for(std::size_t{0}, visible.pieces.size(), [&](std::size_t p) {
         if (visible.counts[p] == 0) return;
-        const TilePiece& piece = pieces[visible.pieces[p]];
+        const TilePiece& piece = scene.pieces[visible.pieces[p]];
         const auto add = [&](const DrawList::Chosen& chosen) {
-            list.chosen[kDrawsPerTile * piece.first + list.counts[p]++] = chosen;
+            list.chosen[list.firstOfPiece[p] + list.counts[p]++] = chosen;
         };
         for (std::uint32_t i = 0; i < visible.counts[p]; ++i) {
             std::optional<DrawList::Chosen> chosen = choose(visible.slots[piece.first + i]);
@@ -332,7 +337,7 @@ void chooseDraws(const SceneIndex& scene, std::span<const ChunkPlace> places, st
         }
     });
 
-    orderDraws(pieces, visible.pieces, picturePixels, list);
+    orderDraws(picturePixels, list);
 }
 
 void writeDraws(const SceneIndex& scene, std::span<const ChunkPlace> places, std::span<const SourceView> sources,

@@ -34,8 +34,9 @@ struct DrawList {
     std::vector<DrawRun> runs;
     std::uint32_t tiles = 0;
     std::uint64_t items = 0; ///< samples (points), mesh squares or facets
-    /// Scratch, kept from frame to frame: the tiles to draw, by piece; how many of each piece that may be seen; and in
-    /// which order (render/draw_order.h).
+    /// Scratch, kept from frame to frame: the tiles to draw, by piece; how many of each piece that may be seen, and
+    /// where those of each begin; and in which order all are drawn (render/draw_order.h). Of what is visible alone: a
+    /// large site has a hundred times the tiles.
     struct Chosen {
         std::uint32_t tile = 0, page = 0, items = 0, orderLevel = 0;
         bool isStandIn = false;
@@ -50,13 +51,13 @@ struct DrawList {
         std::uint32_t batch = 0;
     };
     std::vector<Chosen> chosen;
-    std::vector<std::uint32_t> counts, order, firsts;
+    std::vector<std::uint32_t> counts, firstOfPiece, order, firsts;
 };
 
 /// Stand-ins are drawn as surfaces, which stay whole however near one comes, and as points, which close what is left
 /// between surfaces: at coarse silhouettes that is wide. Other tiles with surfaces are drawn so and as those of their
 /// samples that are in none (Quality::drawsSquaresNear, drawsLone).
-inline constexpr std::size_t kDrawsPerTile = 2;
+inline constexpr std::uint32_t kDrawsPerTile = 2;
 
 /// Coarse samples that stand in for finer ones are drawn as squares of so many pixels at most.
 inline constexpr int kWidestStandIn = 64;

@@ -44,8 +44,7 @@ std::uint32_t binOf(float orderDisparity) {
 /// so that sums are rounded alike on any number of threads.
 class Parts {
   public:
-    Parts(std::span<const TilePiece> pieces, std::span<const std::uint32_t> chosenPieces, DrawList& list)
-        : pieces_(pieces), chosenPieces_(chosenPieces), list_(list) {
+    explicit Parts(DrawList& list) : list_(list) {
         constexpr std::size_t kDrawsPerPart = 4096, kMostParts = 16;
         const std::size_t all = std::accumulate(list.counts.begin(), list.counts.end(), std::size_t{0});
         const std::size_t parts = std::clamp<std::size_t>(all / kDrawsPerPart, 1, kMostParts);
@@ -63,7 +62,7 @@ class Parts {
     void forAll(Visit&& visit) const {
         tbb::parallel_for(std::size_t{0}, count(), [&](std::size_t part) {
             for (std::size_t p = firsts_[part]; p < firsts_[part + 1]; ++p) {
-                const std::size_t first = kDrawsPerTile * std::size_t{pieces_[chosenPieces_[p]].first};
+                const std::size_t first = list_.firstOfPiece[p];
                 for (std::size_t place = first; place < first + list_.counts[p]; ++place)
                     visit(part, list_.chosen[place], place);
             }
@@ -71,10 +70,8 @@ class Parts {
     }
 
   private:
-    std::span<const TilePiece> pieces_;
-    std::span<const std::uint32_t> chosenPieces_;
     DrawList& list_;
-    std::vector<std::size_t> firsts_; ///< in chosenPieces; and where the last part ends
+    std::vector<std::size_t> firsts_; ///< pieces, counted as list_.counts does; and where the last part ends
 };
 
 /// All of zero if everything goes into the first.
@@ -196,9 +193,8 @@ void placeParts(Buckets& buckets) {
 
 } // namespace
 
-void orderDraws(std::span<const TilePiece> pieces, std::span<const std::uint32_t> chosenPieces, double picturePixels,
-                DrawList& list) {
-    const Parts parts(pieces, chosenPieces, list);
+void orderDraws(double picturePixels, DrawList& list) {
+    const Parts parts(list);
     // What is likely seen comes first, so that the rest finds itself hidden early.
     const BatchEnds batchEnds = divide(parts, picturePixels);
     std::vector<std::uint32_t> pages(parts.count(), 1);

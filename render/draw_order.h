@@ -4,14 +4,9 @@
 
 #include "render/draw_list.h"
 
-#include <cstdint>
-#include <span>
-
 namespace render {
 
-/// Puts list.chosen in order. chosenPieces: those that list.counts is about, of pieces. picturePixels: as for
-/// chooseDraws. The same on any number of threads.
-void orderDraws(std::span<const TilePiece> pieces, std::span<const std::uint32_t> chosenPieces, double picturePixels,
-                DrawList& list);
+/// Puts list.chosen in order. picturePixels: as for chooseDraws. The same on any number of threads.
+void orderDraws(double picturePixels, DrawList& list);
 
 } // namespace render

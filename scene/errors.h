@@ -17,10 +17,13 @@ namespace scene {
 class Failure : public std::runtime_error {
   public:
     /// what: the fault, in lower case without a full stop. where: path, with byte or line where known.
-    /// remedy: what the user can do. Printed as "where: what; remedy".
+    /// remedy: what the user can do. Printed as "where: what; remedy", one line whatever names are in it.
     Failure(const std::string& what, const std::string& where, const std::string& remedy);
     Failure(const std::string& what, const std::filesystem::path& where, const std::string& remedy);
 };
+
+/// For what is told in one line: characters that control a terminal, as names of files may hold, become "\\x0a".
+std::string onOneLine(const std::string& text);
 
 /// "PATH, line 12" or "PATH, byte 4096": a place inside a file, for Failure.
 std::string atLine(const std::filesystem::path& path, std::size_t line);

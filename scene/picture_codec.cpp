@@ -128,6 +128,37 @@ bool startsWith(Bytes bytes, std::initializer_list<int> magic) {
     return bytes.size() >= magic.size() && std::equal(magic.begin(), magic.end(), bytes.begin());
 }
 
+bool isPng(Bytes bytes) {
+    return startsWith(bytes, {0x89, 'P', 'N', 'G'});
+}
+bool isJpeg(Bytes bytes) {
+    return startsWith(bytes, {0xff, 0xd8, 0xff});
+}
+
+/// The first page's, by TIFF 6.0, section 2; of what is larger than 4 GiB (BigTIFF), nothing.
+std::optional<PictureSize> sizeInTiff(Bytes bytes) {
+    const bool isLittleEndian = bytes[0] == 'I';
+    /// bytes[at], ... as a number of so many bytes; 0 outside.
+    const auto number = [&](std::uint64_t at, int count) {
+        std::uint32_t value = 0;
+        for (int i = 0; i < count && at + static_cast<std::uint64_t>(count) <= bytes.size(); ++i)
+            value = value << 8 | bytes[at + static_cast<std::uint64_t>(isLittleEndian ? count - 1 - i : i)];
+        return value;
+    };
+    constexpr std::uint32_t kShort = 3, kLong = 4, kWidth = 256, kLength = 257;
+    const std::uint64_t directory = number(4, 4);
+    PictureSize size;
+    for (std::uint32_t i = 0; i < number(directory, 2); ++i) {
+        const std::uint64_t entry = directory + 2 + 12 * std::uint64_t{i};
+        const std::uint32_t tag = number(entry, 2), type = number(entry + 2, 2);
+        if ((tag != kWidth && tag != kLength) || (type != kShort && type != kLong)) continue;
+        const std::uint32_t value = number(entry + 8, type == kShort ? 2 : 4);
+        (tag == kWidth ? size.width : size.height) = static_cast<int>(std::min<std::uint32_t>(value, INT32_MAX));
+    }
+    if (size.width == 0 || size.height == 0) return std::nullopt;
+    return size;
+}
+
 /// Rows of 8 bits a channel, red first.
 std::vector<std::uint8_t> encodeRows(const std::uint8_t* rows, int width, int height, int channels) {
     const Spng png(spng_ctx_new(SPNG_CTX_ENCODER));
@@ -156,11 +187,35 @@ std::vector<std::uint8_t> encodeRows(const std::uint8_t* rows, int width, int he
 
 } // namespace
 
+std::optional<PictureSize> sizeInHeader(std::span<const std::uint8_t> bytes) {
+    if (isPng(bytes)) {
+        const Spng png(spng_ctx_new(0));
+        spng_ihdr header;
+        if (!png || spng_set_png_buffer(png.get(), bytes.data(), bytes.size()) != 0 ||
+            spng_get_ihdr(png.get(), &header) != 0)
+            return std::nullopt;
+        return PictureSize{static_cast<int>(header.width), static_cast<int>(header.height)}; // at most 2^31 - 1
+    }
+    if (isJpeg(bytes)) {
+        const std::unique_ptr<void, FreeJpeg> jpeg(tjInitDecompress());
+        PictureSize size;
+        int sampling = 0, space = 0;
+        if (!jpeg ||
+            tjDecompressHeader3(jpeg.get(), bytes.data(), bytes.size(), &size.width, &size.height, &sampling,
+                                &space) != 0 ||
+            size.width <= 0 || size.height <= 0) // cut off: libjpeg-turbo warns, and knows no size
+            return std::nullopt;
+        return size;
+    }
+    if (startsWith(bytes, {'I', 'I', 42, 0}) || startsWith(bytes, {'M', 'M', 0, 42})) return sizeInTiff(bytes);
+    return std::nullopt;
+}
+
 cv::Mat decodePicture(std::span<const std::uint8_t> bytes, PictureKind kind) try {
     Decoded decoded;
-    if (startsWith(bytes, {0x89, 'P', 'N', 'G'}))
+    if (isPng(bytes))
         decoded = decodePng(bytes, kind);
-    else if (startsWith(bytes, {0xff, 0xd8, 0xff}))
+    else if (isJpeg(bytes))
         decoded = decodeJpeg(bytes, kind);
     else if (bytes.empty())
         return {};
@@ -170,7 +225,7 @@ cv::Mat decodePicture(std::span<const std::uint8_t> bytes, PictureKind kind) try
     return {};
 }
 
-cv::Mat readPicture(const std::filesystem::path& path, PictureKind kind) {
+std::vector<std::uint8_t> readPictureBytes(const std::filesystem::path& path) {
     std::error_code ignored;
     if (!std::filesystem::is_regular_file(path, ignored)) return {};
     std::ifstream file(path, std::ios::binary | std::ios::ate);
@@ -179,7 +234,11 @@ cv::Mat readPicture(const std::filesystem::path& path, PictureKind kind) {
     std::vector<std::uint8_t> bytes(static_cast<std::size_t>(size));
     file.seekg(0);
     if (!file.read(reinterpret_cast<char*>(bytes.data()), size)) return {};
-    return decodePicture(bytes, kind);
+    return bytes;
+}
+
+cv::Mat readPicture(const std::filesystem::path& path, PictureKind kind) {
+    return decodePicture(readPictureBytes(path), kind);
 }
 
 std::vector<std::uint8_t> encodePng(const Image<Rgb8>& picture) {

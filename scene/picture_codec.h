@@ -7,6 +7,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -23,10 +24,21 @@ enum class PictureKind : std::uint8_t {
     asStored ///< channels (blue, green, red, alpha) and bits of the file
 };
 
+/// Pixels.
+struct PictureSize {
+    int width = 0, height = 0;
+};
+
+/// What the header of a PNG, JPEG or TIFF says, before any memory is taken for it; nothing of other formats, and where
+/// it says nothing.
+std::optional<PictureSize> sizeInHeader(std::span<const std::uint8_t> bytes);
+
 /// Empty where the bytes are no picture, are damaged, or have more than 2^30 pixels; PNG and JPEG also where they are
 /// cut off, but for what is left to OpenCV: JPEGs of print's colours, of RGB in grey, and of next to no bytes. Throws
 /// Failure where OpenCV's part cannot be loaded.
 cv::Mat decodePicture(std::span<const std::uint8_t> bytes, PictureKind kind);
+/// The file's bytes; empty also where it cannot be read.
+std::vector<std::uint8_t> readPictureBytes(const std::filesystem::path& path);
 /// Empty also where the file cannot be read.
 cv::Mat readPicture(const std::filesystem::path& path, PictureKind kind);
 

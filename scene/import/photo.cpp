@@ -5,7 +5,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <optional>
 #include <span>
+#include <string>
+#include <vector>
 
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
@@ -17,23 +21,52 @@ namespace {
 /// Neighbouring depth values farther apart than this share of the nearer one belong to different surfaces.
 constexpr float kSilhouetteStep = 0.05f;
 
+/// Depth that has more samples along a side for each of colour's pixels is no sensor's.
+constexpr double kFinestDepth = 4;
+
 std::string sizeText(int width, int height) {
     return std::to_string(width) + "x" + std::to_string(height);
 }
 
-cv::Mat pictureFrom(const std::filesystem::path& path, PictureKind kind) {
+/// check is told the picture's size before memory is taken for it, wherever its header tells.
+cv::Mat pictureFrom(const std::filesystem::path& path, PictureKind kind,
+                    const std::function<void(PictureSize)>& check) {
     if (!std::filesystem::is_regular_file(path))
         throw Failure("no such picture", path, "check the path in the capture's list of frames");
-    cv::Mat picture = readPicture(path, kind);
+    const std::vector<std::uint8_t> bytes = readPictureBytes(path);
+    if (const std::optional<PictureSize> size = sizeInHeader(bytes)) check(*size);
+    cv::Mat picture = decodePicture(bytes, kind);
     if (picture.empty())
         throw Failure("picture is empty, damaged or of an unknown format", path,
                       "export it again as PNG, JPEG or TIFF, or leave it out of the list");
+    check({picture.cols, picture.rows});
     return picture;
+}
+
+void checkColourSize(PictureSize size, const PhotoSource& source) {
+    if (size.width != source.camera.width || size.height != source.camera.height)
+        throw Failure("picture is " + sizeText(size.width, size.height) + " but its camera is " +
+                          sizeText(source.camera.width, source.camera.height),
+                      source.colourPath, "correct the size in the capture's camera");
+}
+
+void checkDepthSize(PictureSize size, const PhotoSource& source) {
+    const Camera& camera = source.camera;
+    const double scaleX = static_cast<double>(size.width) / camera.width,
+                 scaleY = static_cast<double>(size.height) / camera.height;
+    const std::string sizes =
+        "depth is " + sizeText(size.width, size.height) + " but colour is " + sizeText(camera.width, camera.height);
+    if (std::abs(scaleX / scaleY - 1) > 0.02)
+        throw Failure(sizes + ", another shape", source.depthPath, "register depth to the colour picture first");
+    if (scaleX > kFinestDepth)
+        throw Failure(sizes + ", more than " + std::to_string(static_cast<int>(kFinestDepth)) + " times as wide",
+                      source.depthPath, "export depth at the size of the colour picture");
 }
 
 /// Depth in metres as stored; 0 where nothing came back.
 cv::Mat1f readDepth(const PhotoSource& source) {
-    const cv::Mat stored = pictureFrom(source.depthPath, PictureKind::asStored);
+    const cv::Mat stored =
+        pictureFrom(source.depthPath, PictureKind::asStored, [&](PictureSize size) { checkDepthSize(size, source); });
     if (stored.channels() != 1)
         throw Failure("depth picture has " + std::to_string(stored.channels()) + " channels", source.depthPath,
                       "depth is one channel of 16 bit steps or 32 bit metres");
@@ -92,18 +125,11 @@ Undistortion findUndistortion(const PhotoSource& source) {
 
 DepthImage readPhoto(const PhotoSource& source) {
     const Camera& camera = source.camera;
-    cv::Mat colour = pictureFrom(source.colourPath, PictureKind::colour);
+    cv::Mat colour =
+        pictureFrom(source.colourPath, PictureKind::colour, [&](PictureSize size) { checkColourSize(size, source); });
     const cv::Mat1f depth = readDepth(source);
-    if (colour.cols != camera.width || colour.rows != camera.height)
-        throw Failure("picture is " + sizeText(colour.cols, colour.rows) + " but its camera is " +
-                          sizeText(camera.width, camera.height),
-                      source.colourPath, "correct the size in the capture's camera");
-    const double scaleX = static_cast<double>(depth.cols) / camera.width;
-    const double scaleY = static_cast<double>(depth.rows) / camera.height;
-    if (std::abs(scaleX / scaleY - 1) > 0.02)
-        throw Failure("depth is " + sizeText(depth.cols, depth.rows) + " but colour is " +
-                          sizeText(camera.width, camera.height) + ", another shape",
-                      source.depthPath, "register depth to the colour picture first");
+    const double scaleX = static_cast<double>(depth.cols) / camera.width,
+                 scaleY = static_cast<double>(depth.rows) / camera.height;
 
     const Undistortion lens = findUndistortion(source);
     if (!lens.isIdentity) {

@@ -3,6 +3,7 @@
 #include "scene/errors.h"
 #include "scene/import/gltf_nodes.h"
 #include "scene/import/mtl_opacity.h"
+#include "scene/import/ply_counts.h"
 #include "scene/import/polygon_files.h"
 #include "scene/import/polygon_textures.h"
 
@@ -191,6 +192,7 @@ PolygonScene readPolygons(const std::filesystem::path& path) {
     std::error_code error;
     if (!std::filesystem::is_regular_file(path, error)) throw Failure("no such file", path, "check the path");
     checkGltfNodes(path, kDeepestNode);
+    checkPlyCounts(path);
     Assimp::Importer importer;
     std::filesystem::path folder = std::filesystem::absolute(path).parent_path();
     auto* files = new PolygonFiles(folder); // the importer owns it

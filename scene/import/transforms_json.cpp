@@ -31,9 +31,8 @@ json parseManifest(const std::filesystem::path& manifest) {
         return json::parse(file);
     } catch (const json::parse_error& e) {
         throw Failure("is not valid JSON", atByte(manifest, e.byte), "repair it there, or export the capture again");
-    } catch (const json::exception& e) { // a number that no double can hold
-        throw Failure(std::string("is not usable (") + e.what() + ")", manifest,
-                      "repair it, or export the capture again");
+    } catch (const json::exception&) {
+        throw Failure("holds a number that is too large", manifest, "repair it, or export the capture again");
     }
 }
 
@@ -64,6 +63,9 @@ class FrameReader {
         if (found == frame_.end() || !found->is_string())
             throw Failure(std::string("has no ") + key, where_,
                           "Revisit needs colour and depth for each frame: export the capture with depth");
+        if (found->get_ref<const std::string&>().empty())
+            throw Failure(std::string(key) + " is empty", where_,
+                          "name the picture's file, from the manifest's folder");
         const std::filesystem::path path(found->get<std::string>());
         return path.is_absolute() ? path : manifest_.parent_path() / path;
     }

@@ -9,6 +9,7 @@
 #include <fstream>
 #include <optional>
 #include <sstream>
+#include <vector>
 
 #include <glm/gtc/quaternion.hpp>
 
@@ -152,7 +153,9 @@ Intrinsics findIntrinsics(const std::filesystem::path& folder, std::vector<std::
 
 /// Empty if the picture cannot be read.
 cv::Size sizeOf(const std::filesystem::path& picture) {
-    return readPicture(picture, PictureKind::colour).size();
+    const std::vector<std::uint8_t> bytes = readPictureBytes(picture);
+    if (const std::optional<PictureSize> size = sizeInHeader(bytes)) return {size->width, size->height};
+    return decodePicture(bytes, PictureKind::colour).size();
 }
 
 } // namespace

@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <random>
@@ -26,6 +28,20 @@ Picture noise(int width, int height, unsigned seed) {
     for (scene::Rgb8& c : picture.pixels())
         c.r = c.g = c.b = static_cast<std::uint8_t>(random() % 256);
     return picture;
+}
+
+TEST(Truth, IsWhatWasMeasured) {
+    scene::DepthImage image;
+    image.camera = {5, 1, 5, 5, 2.5, 0.5};
+    image.colour = Picture(5, 1);
+    image.disparity = scene::Image<float>(5, 1, 0.5f);
+    image.flags = Mask(5, 1, 0);
+    image.flags(1, 0) = scene::kNoSurface;
+    image.flags(2, 0) = scene::kNoSurface | scene::kInterpolated; // a guess
+    image.flags(3, 0) = scene::kInterpolated;                     // closed
+    image.disparity(4, 0) = 0;                                    // sky
+    const Truth truth = truthOf(image);
+    EXPECT_TRUE(std::ranges::equal(truth.depthMetres.pixels(), std::array{2.0f, 0.0f, 0.0f, 0.0f, kSky}));
 }
 
 TEST(Psnr, OfKnownErrors) {

@@ -126,6 +126,8 @@ TEST_F(Plan, SaysWhatIsMissing) {
     EXPECT_THAT(failureOf({"plan", at("nothing.revisit"), "--out", at("plan.json")}, 1), HasSubstr("nothing.revisit"));
     EXPECT_THAT(failureOf({"plan", at("room.revisit"), "--out", scratch_.path().string()}, 1),
                 HasSubstr("is a folder"));
+    EXPECT_THAT(failureOf({"plan", at("room.revisit"), "--out", at("none/plan.json")}, 1), HasSubstr("no such folder"))
+        << "before anything is worked out: this scene could not be planned in";
     EXPECT_THAT(failureOf({"plan", at("room.revisit"), "--out", at("plan.png")}, 1), HasSubstr("plan.json"));
     EXPECT_THAT(failureOf({"plan", at("room.revisit")}, 2), HasSubstr("--out"));
     EXPECT_THAT(failureOf({"plan", at("room.revisit"), "--out", at("p.json"), "--count", "0"}, 2),

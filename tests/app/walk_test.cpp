@@ -12,6 +12,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <csignal>
@@ -239,13 +240,56 @@ TEST_F(Walk, PathsNeedNotBeUtf8) {
     EXPECT_GT(readJson(path("caf\xe9-frames") + "/report.json").at("samples_drawn").at("median"), 1000);
 }
 
+/// Of one photograph, whose range in floats ends before its time: OpenCV has much to say about such a one.
+void writeCaptureWithACutOffTiff(const std::filesystem::path& folder) {
+    std::filesystem::create_directory(folder);
+    // Little-endian, one directory, one strip of floats without compression, of which most is missing.
+    constexpr std::uint32_t kShort = 3, kLong = 4, kStripAt = 8 + 2 + 10 * 12 + 4, kStripBytes = 64 * 48 * 4;
+    const std::array<std::array<std::uint32_t, 3>, 10> tags{{{256, kLong, 64},       // width
+                                                             {257, kLong, 48},       // height
+                                                             {258, kShort, 32},      // bits
+                                                             {259, kShort, 1},       // no compression
+                                                             {262, kShort, 1},       // grey
+                                                             {273, kLong, kStripAt}, // where the strip is
+                                                             {277, kShort, 1},       // channels
+                                                             {278, kLong, 48},       // rows of the strip
+                                                             {279, kLong, kStripBytes},
+                                                             {339, kShort, 3}}}; // floats
+    std::string tiff("II\x2a\0\x08\0\0\0\x0a\0", 10);
+    const auto append = [&](std::uint32_t value, std::size_t bytes) {
+        tiff.append(reinterpret_cast<const char*>(&value), bytes);
+    };
+    for (const auto& [tag, type, value] : tags)
+        append(tag, 2), append(type, 2), append(1, 4), append(value, 4);
+    append(0, 4); // no further directory
+    tiff.resize(tiff.size() + kStripBytes / 3, '\x3f');
+    scene::writeFile(folder / "depth.tiff", tiff);
+    ASSERT_TRUE(cv::imwrite((folder / "colour.png").string(), cv::Mat3b(48, 64, cv::Vec3b(9, 9, 9))));
+    const nlohmann::json frame{{"file_path", "colour.png"},
+                               {"depth_file_path", "depth.tiff"},
+                               {"transform_matrix", {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}, {0, 0, 0, 1}}}};
+    std::ofstream(folder / "transforms.json") << nlohmann::json{
+        {"fl_x", 60}, {"fl_y", 60}, {"cx", 32}, {"cy", 24}, {"w", 64}, {"h", 48}, {"frames", {frame}}};
+}
+
+TEST_F(Walk, AFileThatMayNotGrowIsToldOfAsAFullDiskIs) {
+    // A shell's unit is half a kilobyte.
+    const Outcome outcome = run({"/bin/sh", "-c", R"(ulimit -f 64; exec "$@")", "sh", kRevisit, "build", capture(),
+                                 "-o", path("small.revisit"), "--hold-out", "every:5:2"},
+                                folder());
+    EXPECT_EQ(outcome.status, 1) << outcome.output;
+    EXPECT_NE(outcome.output.find("; check that the disk has room"), std::string::npos) << outcome.output;
+    EXPECT_FALSE(std::filesystem::exists(path("small.revisit")));
+}
+
 TEST_F(Walk, WrongUsageIsTwoAndWhatCannotBeDoneIsOne) {
     struct Case {
         std::vector<std::string> command;
         int status;
         const char* says;
     };
-    const std::string room = path("room.revisit");
+    const std::string room = path("room.revisit"), cut = path("cut");
+    writeCaptureWithACutOffTiff(cut);
     const std::vector<Case> cases{
         {{kRevisit}, 2, "subcommand"},
         {{kRevisit, "build"}, 2, "INPUT"},
@@ -255,6 +299,11 @@ TEST_F(Walk, WrongUsageIsTwoAndWhatCannotBeDoneIsOne) {
         {{kRevisit, "render", room, "--out", path("x"), "--size", "0x10"}, 2, "--size"},
         {{kRevisit, "render", room, "--out", path("x"), "--warp", "bubbles"}, 2, "bubbles"},
         {{kRevisit, "build", path("nowhere"), "-o", path("x.revisit")}, 1, "no such file"},
+        {{kRevisit, "build", path("no\nwhere"), "-o", path("x.revisit")}, 1, "no\\x0awhere"},
+        {{kRevisit, "build", cut, "-o", path("x.revisit")}, 1, "depth.tiff: picture is empty, damaged"},
+        {{kRevisit, "walk", room, "--headless", "--path", capture() + "/walk.json", "--picture-every", "2"},
+         2,
+         "--out"},
         {{kRevisit, "build", room, "-o", path("x.revisit")}, 1, "no capture"},
         {{kRevisit, "build", capture(), "-o", capture()}, 1, "is no scene"},
         {{kRevisit, "info", capture()}, 1, "scene.json"},

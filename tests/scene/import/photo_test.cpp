@@ -175,6 +175,11 @@ TEST_F(Photo, ThatCannotBeUsedIsAFailureThatNamesIt) {
     expectRefused(photo, photo.depthPath, "3 channels");
     writePicture(photo.depthPath, cv::Mat(30, 40, CV_8UC1, cv::Scalar(3)));
     expectRefused(photo, photo.depthPath, "neither 16 bit steps nor 32 bit floats");
+    writePicture(photo.depthPath, flatDepth(200, 150, 1000));
+    expectRefused(photo, photo.depthPath, "more than 4 times as wide");
+    // Whose header claims too much is refused by that, not by what comes of decoding it.
+    std::filesystem::resize_file(photo.depthPath, 40);
+    expectRefused(photo, photo.depthPath, "more than 4 times as wide");
     writePicture(photo.depthPath, flatDepth(40, 30, 1000));
     writePicture(photo.colourPath, gradientPicture(41, 30));
     expectRefused(photo, photo.colourPath, "41x30");

@@ -143,6 +143,27 @@ TEST(PictureCodec, AFileThatClaimsMoreThanItHoldsTakesNoMemory) {
     EXPECT_TRUE(decodePicture(png, PictureKind::colour).empty());
 }
 
+TEST(PictureCodec, HeadersTellTheSizeBeforeAnythingIsDecoded) {
+    for (const char* const kind : {".png", ".jpg", ".tiff"}) {
+        const Bytes whole = encoded(kind, noise(43, 29, kind == std::string(".tiff") ? CV_16UC1 : CV_8UC3));
+        const std::optional<PictureSize> size = sizeInHeader(whole);
+        ASSERT_TRUE(size) << kind;
+        EXPECT_EQ(size->width, 43) << kind;
+        EXPECT_EQ(size->height, 29) << kind;
+        for (std::size_t count = 0; count < whole.size(); ++count) // wherever it is cut off: this size, or none
+            if (const auto part = sizeInHeader(std::span(whole).first(count))) {
+                EXPECT_EQ(part->width, 43) << kind << " " << count;
+                EXPECT_EQ(part->height, 29) << kind << " " << count;
+            }
+    }
+    const Bytes bigEndian{'M', 'M', 0, 42, 0, 0, 0, 8, 0, 2, 1, 0, 0, 3, 0, 0, 0, 1, 2, 1, 0, 0, //
+                          1,   1,   0, 4,  0, 0, 0, 1, 0, 1, 0, 2};
+    ASSERT_TRUE(sizeInHeader(bigEndian));
+    EXPECT_EQ(sizeInHeader(bigEndian)->width, 0x201);
+    EXPECT_EQ(sizeInHeader(bigEndian)->height, 0x10002);
+    EXPECT_FALSE(sizeInHeader(encoded(".bmp", noise(33, 21, CV_8UC3))));
+}
+
 TEST(PictureCodec, WritesWhatItReads) {
     Image<Rgb8> colour(31, 17);
     Image<std::uint8_t> grey(31, 17);

@@ -127,6 +127,31 @@ TEST(Polygons, AnObjWithoutItsMaterialsIsReadAndSaysSo) {
     EXPECT_THAT(scene.remarks, Contains(HasSubstr("a.mtl")));
 }
 
+constexpr const char* kPlyHeader = "element vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+                                   "element face 1\nproperty list uchar int vertex_indices\nend_header\n";
+
+TEST(Polygons, APlyIsReadIfItIsAsLongAsItClaims) {
+    const ScratchFolder folder;
+    const std::filesystem::path path = folder / "a.ply";
+    const std::string text = std::string("ply\nformat ascii 1.0\n") + kPlyHeader + "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+    std::string binary = std::string("ply\nformat binary_little_endian 1.0\n") + kPlyHeader;
+    for (const float value : {0.f, 0.f, 0.f, 1.f, 0.f, 0.f, 0.f, 1.f, 0.f})
+        binary.append(reinterpret_cast<const char*>(&value), sizeof value);
+    binary += '\3';
+    for (const std::int32_t corner : {0, 1, 2})
+        binary.append(reinterpret_cast<const char*>(&corner), sizeof corner);
+    for (const std::string& whole : {text, binary}) {
+        writeFile(path, whole);
+        EXPECT_EQ(countTriangles(readPolygons(path)), 1);
+        for (const auto& [from, to] : {std::pair("vertex 3", "vertex 400000000"), std::pair("face 1", "face 50")}) {
+            std::string claimed = whole;
+            claimed.replace(claimed.find(from), std::strlen(from), to);
+            writeFile(path, claimed);
+            EXPECT_THAT(failureOf<Failure>([&] { readPolygons(path); }), HasSubstr("for which it is too short")) << to;
+        }
+    }
+}
+
 /// One square in three nodes: where it is, moved, and moved and mirrored; cut out at 0.3.
 std::string gltf() {
     return R"({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0, 1, 2]}],
