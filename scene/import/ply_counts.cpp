@@ -71,6 +71,7 @@ void checkPlyCounts(const std::filesystem::path& path) {
         words >> word;
         if (word == "format") {
             isText = words >> type && type == "ascii";
+            left += isText ? 1 : 0; // the last line need not end
         } else if (word == "element") {
             if (element) subtract(*element);
             element.emplace();

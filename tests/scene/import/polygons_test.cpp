@@ -133,7 +133,8 @@ constexpr const char* kPlyHeader = "element vertex 3\nproperty float x\nproperty
 TEST(Polygons, APlyIsReadIfItIsAsLongAsItClaims) {
     const ScratchFolder folder;
     const std::filesystem::path path = folder / "a.ply";
-    const std::string text = std::string("ply\nformat ascii 1.0\n") + kPlyHeader + "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+    const std::string text =
+        std::string("ply\nformat ascii 1.0\n") + kPlyHeader + "0 0 0\n1 0 0\n0 1 0\n3 0 1 2"; // no end of line
     std::string binary = std::string("ply\nformat binary_little_endian 1.0\n") + kPlyHeader;
     for (const float value : {0.f, 0.f, 0.f, 1.f, 0.f, 0.f, 0.f, 1.f, 0.f})
         binary.append(reinterpret_cast<const char*>(&value), sizeof value);
