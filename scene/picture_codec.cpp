@@ -153,7 +153,8 @@ std::optional<PictureSize> sizeInTiff(Bytes bytes) {
         const std::uint32_t tag = number(entry, 2), type = number(entry + 2, 2);
         if ((tag != kWidth && tag != kLength) || (type != kShort && type != kLong)) continue;
         const std::uint32_t value = number(entry + 8, type == kShort ? 2 : 4);
-        (tag == kWidth ? size.width : size.height) = static_cast<int>(std::min<std::uint32_t>(value, INT32_MAX));
+        int& side = tag == kWidth ? size.width : size.height;
+        if (side == 0) side = static_cast<int>(std::min<std::uint32_t>(value, INT32_MAX)); // of two the first counts
     }
     if (size.width == 0 || size.height == 0) return std::nullopt;
     return size;

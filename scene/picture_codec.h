@@ -24,6 +24,9 @@ enum class PictureKind : std::uint8_t {
     asStored ///< channels (blue, green, red, alpha) and bits of the file
 };
 
+/// Pixels; what claims more along a side is no camera's.
+inline constexpr int kMaxPictureSide = 65536;
+
 /// Pixels.
 struct PictureSize {
     int width = 0, height = 0;

@@ -21,7 +21,7 @@ namespace {
 /// Neighbouring depth values farther apart than this share of the nearer one belong to different surfaces.
 constexpr float kSilhouetteStep = 0.05f;
 
-/// Depth that has more samples along a side for each of colour's pixels is no sensor's.
+/// Samples of depth along a side for each of colour's pixels, at most: a header must not claim memory without end.
 constexpr double kFinestDepth = 4;
 
 std::string sizeText(int width, int height) {

@@ -1,16 +1,16 @@
 #include "scene/import/ply_counts.h"
 
 #include "scene/errors.h"
-#include "scene/import/text_lines.h"
 
 #include <algorithm>
 #include <array>
 #include <cstdint>
-#include <optional>
+#include <fstream>
 #include <sstream>
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 namespace scene {
 
@@ -42,48 +42,46 @@ struct PlyElement {
 
 void checkPlyCounts(const std::filesystem::path& path) {
     if (path.extension() != ".ply" && path.extension() != ".PLY") return;
-    TextLines lines(path, 0);
-    std::string_view line;
-    if (!lines.next(line) || line != "ply") return;
-    bool isText = false;
-    std::uint64_t left = 0; // of the bytes after the header
-    std::optional<PlyElement> element;
-    const auto subtract = [&](const PlyElement& of) {
-        // A line of text may hold next to nothing, but ends.
-        const std::uint64_t each = std::max<std::uint64_t>(of.bytes, 1);
-        if (of.count > left / each)
-            throw Failure("claims " + std::to_string(of.count) + " of '" + of.name + "', for which it is too short",
-                          path, "it is cut off or damaged: copy or export it again");
-        left -= of.count * each;
-    };
-    // Headers are short: gone through once for where they end, and again for what they claim.
-    const auto header = [&](TextLines& from, auto&& visit) {
-        std::string_view text;
-        while (from.next(text) && text != "end_header")
-            visit(text);
-    };
-    header(lines, [](std::string_view) {});
-    left = lines.fileBytes() - std::min(lines.fileBytes(), lines.byte());
-    TextLines again(path, 0);
-    header(again, [&](std::string_view text) {
-        std::istringstream words{std::string(text)};
+    constexpr std::size_t kLongestHeader = std::size_t{64} << 10;
+    std::string head(kLongestHeader, '\0');
+    std::ifstream file(path, std::ios::binary);
+    file.read(head.data(), static_cast<std::streamsize>(head.size()));
+    head.resize(static_cast<std::size_t>(file.gcount()));
+    std::vector<PlyElement> elements;
+    bool isText = false, isWhole = false;
+    std::istringstream lines(head);
+    std::uint64_t headerBytes = 0;
+    for (std::string text; !isWhole && std::getline(lines, text);) {
+        headerBytes += text.size() + 1;
+        std::istringstream words(text); // any blanks part words, those before an end of line included
         std::string word, type;
         words >> word;
-        if (word == "format") {
+        if (word == "end_header") {
+            isWhole = true;
+        } else if (word == "format") {
             isText = words >> type && type == "ascii";
-            left += isText ? 1 : 0; // the last line need not end
         } else if (word == "element") {
-            if (element) subtract(*element);
-            element.emplace();
-            words >> element->name >> element->count;
-        } else if (word == "property" && element) {
+            words >> elements.emplace_back().name >> elements.back().count;
+        } else if (word == "property" && !elements.empty()) {
             words >> type;
             if (type == "list") words >> type; // of its count; it may be empty
             constexpr std::uint64_t kDigitAndBlank = 2;
-            element->bytes += isText ? kDigitAndBlank : bytesOfPlyType(type);
+            elements.back().bytes += isText ? kDigitAndBlank : bytesOfPlyType(type);
         }
-    });
-    if (element) subtract(*element);
+    }
+    if (!isWhole) return;
+    const std::uint64_t fileBytes = std::filesystem::file_size(path);
+    std::uint64_t left = fileBytes - std::min(fileBytes, headerBytes);
+    if (isText) ++left; // the last line need not end
+    for (const PlyElement& element : elements) {
+        // Assimp takes memory for what has no properties, too, though it needs no bytes in a binary file.
+        const std::uint64_t each = std::max<std::uint64_t>(element.bytes, 1);
+        if (element.count > left / each)
+            throw Failure("claims " + std::to_string(element.count) + " of '" + element.name +
+                              "', for which it is too short",
+                          path, "it is cut off or damaged: copy or export it again");
+        left -= element.count * each;
+    }
 }
 
 } // namespace scene

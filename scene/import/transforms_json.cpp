@@ -1,6 +1,7 @@
 #include "scene/import/transforms_json.h"
 
 #include "scene/errors.h"
+#include "scene/picture_codec.h"
 
 #include <cmath>
 #include <fstream>
@@ -16,7 +17,6 @@ using nlohmann::json;
 
 constexpr std::uintmax_t kMaxManifestBytes = std::uintmax_t{1} << 30;
 constexpr double kRotationTolerance = 1e-3; ///< manifests round their matrices
-constexpr int kMaxPictureSide = 65536;
 
 json parseManifest(const std::filesystem::path& manifest) {
     std::error_code error;

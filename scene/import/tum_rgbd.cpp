@@ -177,7 +177,8 @@ void listTumRgbd(const std::filesystem::path& folder, Capture& capture) {
         photo.depthPath = folder / depth->path;
         photo.name = photo.colourPath.stem().string();
         if (size.empty()) size = sizeOf(photo.colourPath);
-        if (size.empty()) throw Failure("first picture cannot be read", photo.colourPath, "check the paths in rgb.txt");
+        if (size.empty() || std::max(size.width, size.height) > kMaxPictureSide)
+            throw Failure("first picture cannot be read", photo.colourPath, "check the paths in rgb.txt");
         // The benchmark counts the centre of the first pixel at 0, we at 1/2.
         photo.camera = {size.width,    size.height,         intrinsics.fx,
                         intrinsics.fy, intrinsics.cx + 0.5, intrinsics.cy + 0.5};
