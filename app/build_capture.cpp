@@ -21,7 +21,7 @@ using nlohmann::json;
 
 /// Changed whenever what a position looks like changes, so that results of older versions are not taken for new ones.
 constexpr int kCaptureVersion = 2;
-constexpr int kSearchVersion = 2; ///< the same for where positions stand
+constexpr int kSearchVersion = 3; ///< the same for where positions stand
 
 json numbersOf(const glm::vec3& v) {
     return {v.x, v.y, v.z};

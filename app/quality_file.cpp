@@ -165,6 +165,11 @@ std::vector<Knob> makeKnobs() {
             "footprint_scale", "", "width of the square over what closes the holes within one surface", {0.1, 10},
             {0.65, 1.0, 1.25}, [](auto& q) -> auto& { return q.footprintScale; }, "points"),
         yesOrNo(
+            "interpolate_samples",
+            "points and splats: a pixel is the mean of its sample and those about it, by where in their pixels they "
+            "stand; smoother and truer than its own alone",
+            {false}, [](auto& q) -> auto& { return q.interpolatesSamples; }),
+        yesOrNo(
             "squares_near",
             "points and splats: where samples are seen farther apart than max_footprint, squares between them are "
             "drawn instead",
@@ -228,6 +233,7 @@ Quality drawn(const char* warp, double resolutionScale) {
     quality.holes.radius = 4;
     quality.drawsSquaresNear = true;
     quality.drawsLone = true;
+    quality.interpolatesSamples = true;
     return quality;
 }
 

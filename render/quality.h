@@ -31,6 +31,11 @@ struct Quality {
     int maxSplat = 4;
     double splatScale = 1.0;
 
+    /// Points and splats: a pixel is the mean of the sample that it shows and of those beside, above and below, by how
+    /// near they stand to its centre (shaders/shared/sample_place.h). Off unless asked for, as the preference is: then
+    /// it has the colour of its own.
+    bool interpolatesSamples = false;
+
     /// Points and splats: where a tile's samples are seen farther apart than maxFootprint, or 2 maxSplat, or may be
     /// since its surface slopes, the mesh's squares are drawn, and of the samples only those that are in none. Else
     /// gaps open in walls right before the eye and in what was scanned at a glance, and unseen space is shown through

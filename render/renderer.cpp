@@ -44,6 +44,14 @@ void recordClear(VkCommandBuffer commands, const EyeTarget& target, int width, i
     vkCmdFillBuffer(commands, target.holes.handle(), 0, kLargePartsHead * sizeof(std::uint32_t), 0);
 }
 
+/// Of what is interpolated; nothing if the picture is not.
+std::optional<PlaceSteps> placeStepsOf(const Quality& quality) {
+    if (!quality.interpolatesSamples || quality.isBlended) return std::nullopt;
+    if (quality.warp == Warp::points) return placeStepsOfPoints();
+    if (quality.warp == Warp::splats) return placeStepsOfSplats();
+    return std::nullopt;
+}
+
 } // namespace
 
 Renderer::Renderer(const Device& device, const GpuScene& scene, int width, int height, int eyes,
@@ -318,7 +326,7 @@ void Renderer::recordCommands(Eye& eye, const scene::View& view, const Quality& 
 
         if (!isStanding_) recordScene(commands, eye, view, quality, slot, index);
 
-        recordResolve(commands, resolve_, eyeSet, eye.warpWidth, eye.warpHeight, quality.holes);
+        recordResolve(commands, resolve_, eyeSet, eye.warpWidth, eye.warpHeight, quality.holes, placeStepsOf(quality));
         if (quality.isBlended) {
             record(commands, kBetweenPictures);
             recordBlendResolve(commands, blend_, eyeSet, *eye.blend, slot, eye.warpWidth, eye.warpHeight);

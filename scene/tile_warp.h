@@ -6,7 +6,9 @@
 #include "scene/tile.h"
 #include "scene/warp.h"
 
+#include <algorithm>
 #include <bit>
+#include <cmath>
 
 #include <glm/mat4x4.hpp>
 #include <glm/vec3.hpp>
@@ -64,22 +66,46 @@ inline Projected projectVertex(const TileWarp& warp, std::uint32_t place) {
 /// eye. More than neighbouring samples of a slanted surface differ by, and less than an order level.
 inline constexpr float kRimShare = 0.99f, kPerRimShare = 1.0f / 0.99f;
 
-inline std::uint64_t keyOf(float disparity, std::uint32_t colour, std::uint32_t levelAndClass) {
-    return static_cast<std::uint64_t>(std::bit_cast<std::uint32_t>(disparity) & ~1u) << 32 | (colour & 0xffffffu) << 8 |
-           levelAndClass;
+/// Bits of a key's high word that are not the order disparity's.
+inline constexpr std::uint32_t kNotDisparity = 63u;
+
+/// The order disparity there, rounded.
+inline std::uint32_t orderBitsOf(float disparity) {
+    return (std::bit_cast<std::uint32_t>(disparity) + (kNotDisparity + 1) / 2) & ~kNotDisparity;
 }
 
-/// The key of such a pixel of a point that has this one where it stands. What is infinitely far has no rim.
-inline std::uint64_t rimOf(std::uint64_t key) {
-    const float disparity = std::bit_cast<float>(static_cast<std::uint32_t>(key >> 32));
-    const std::uint32_t high = disparity > 0 ? std::bit_cast<std::uint32_t>(disparity * kRimShare) | 1u : 0u;
-    return std::uint64_t{high} << 32 | (key & 0xffffffffu);
+/// The key of what stands in the middle of its pixel.
+inline std::uint64_t keyOf(float disparity, std::uint32_t colour, std::uint32_t levelAndClass) {
+    return std::uint64_t{orderBitsOf(disparity)} << 32 | (colour & 0xffffffu) << 8 | levelAndClass;
+}
+
+/// Of such a pixel of a point. What is infinitely far has no rim.
+inline std::uint64_t rimOf(float disparity, std::uint32_t colour, std::uint32_t levelAndClass) {
+    const std::uint64_t key = keyOf(disparity * kRimShare, colour, levelAndClass);
+    return key >> 32 != 0 ? key | std::uint64_t{1} << 32 : key;
+}
+
+/// Steps from a sample to where its pixel's centre is, along an axis, and how many of them make a pixel: a point's in
+/// its pixel and at its rim, a splat's.
+inline constexpr int kMostPlaceSteps = 2;
+inline constexpr float kPlaceStepsOfPoint = 4, kPlaceStepsOfRim = 2, kPlaceStepsOfSplat = 8.f / 3.f;
+
+/// That key where the sample stands elsewhere: from it to the pixel's centre, pixels. What is infinitely far stands in
+/// the middle.
+inline std::uint64_t withPlace(std::uint64_t key, float offsetX, float offsetY, float stepsPerPixel) {
+    const auto steps = [&](float offset) {
+        constexpr auto most = static_cast<float>(kMostPlaceSteps);
+        return static_cast<int>(std::clamp(std::floor(0.5f - offset * stepsPerPixel), -most, most));
+    };
+    const int x = steps(offsetX), y = steps(offsetY);
+    const auto code = static_cast<std::uint64_t>((x < 0 ? x + 5 : x) * 5 + (y < 0 ? y + 5 : y));
+    return key >> 32 != 0 ? key | code << 33 : key;
 }
 
 /// The eye's disparity in a key that is not 0: its order's with what pushed it back taken off.
 inline float eyeDisparityOf(std::uint64_t key) {
     const auto high = static_cast<std::uint32_t>(key >> 32);
-    const float disparity = std::bit_cast<float>(high & ~1u) * orderScale(static_cast<int>(key >> 2 & 63u));
+    const float disparity = std::bit_cast<float>(high & ~kNotDisparity) * orderScale(static_cast<int>(key >> 2 & 63u));
     return (high & 1u) != 0 ? disparity * kPerRimShare : disparity;
 }
 

@@ -11,7 +11,7 @@ namespace scene {
 /// One 64-bit key a pixel: bits of the order disparity << 32 | b << 24 | g << 16 | r << 8 | order level << 2 | class.
 /// The greatest key wins, so the nearest sample is seen whatever the order of drawing; 0 is nothing. The order
 /// disparity is the eye's, in 1/m (reversed infinite depth), over orderScale(level): see scene/preference.h. Its last
-/// bit tells the rim of a point (scene/tile_warp.h).
+/// six bits tell where a sample stands in its pixel, and the rim of a point (scene/tile_warp.h).
 using ZBuffer = Image<std::uint64_t>;
 
 enum class PixelClass : std::uint8_t { background = 0, seen = 1, filled = 2, unseen = 3 };

@@ -29,8 +29,9 @@ struct Batch {
     HWY_ALIGN std::uint32_t keys[2 * kCapacity]; ///< low and high word of each
     HWY_ALIGN std::int32_t x[kCapacity];         ///< footprint 1: the pixel's index
     HWY_ALIGN std::int32_t y[kCapacity];
-    HWY_ALIGN std::int32_t ownX[kCapacity]; ///< the pixel that it stands in; not for footprint 1
-    HWY_ALIGN std::int32_t ownY[kCapacity];
+    HWY_ALIGN float u[kCapacity]; ///< where it stands, and its order disparity; not for footprint 1
+    HWY_ALIGN float v[kCapacity];
+    HWY_ALIGN float disparity[kCapacity];
     std::size_t count = 0;
 
     std::uint64_t key(std::size_t i) const {
@@ -57,11 +58,16 @@ inline void scatterSquares(Batch& batch, int side, const ImageView<std::uint64_t
         if (key == 0) continue;
         const int x0 = std::max(batch.x[i], 0), x1 = std::min(batch.x[i] + side, zBuffer.width);
         const int y0 = std::max(batch.y[i], 0), y1 = std::min(batch.y[i] + side, zBuffer.height);
-        const std::uint64_t rim = rimOf(key);
+        const auto low = static_cast<std::uint32_t>(key);
+        const std::uint64_t rim = rimOf(batch.disparity[i], low >> 8, low & 255u);
+        const float u = batch.u[i], v = batch.v[i];
+        const int ownX = static_cast<int>(std::floor(u)), ownY = static_cast<int>(std::floor(v));
         for (int y = y0; y < y1; ++y)
             for (int x = x0; x < x1; ++x) {
-                const bool isOwn = x == batch.ownX[i] && y == batch.ownY[i];
-                zBuffer(x, y) = std::max(zBuffer(x, y), isOwn ? key : rim);
+                const bool isOwn = x == ownX && y == ownY;
+                const float offsetX = static_cast<float>(x) + 0.5f - u, offsetY = static_cast<float>(y) + 0.5f - v;
+                zBuffer(x, y) = std::max(zBuffer(x, y), withPlace(isOwn ? key : rim, offsetX, offsetY,
+                                                                  isOwn ? kPlaceStepsOfPoint : kPlaceStepsOfRim));
             }
     }
     batch.count = 0;
@@ -123,11 +129,23 @@ RowRange drawPointsOf(const TileWarp& warp, std::span<const TileVertex> vertices
         if (hn::AllFalse(floats, isDrawn)) return;
 
         const auto low = hn::Or(hn::ShiftLeft<8>(colour), hn::Set(words, warp.levelAndClass));
+        const auto rounding = hn::Set(words, (kNotDisparity + 1) / 2);
+        auto high = hn::AndNot(hn::Set(words, kNotDisparity), hn::Add(hn::BitCast(words, disparity), rounding));
+        if (isPixel) {
+            // As withPlace.
+            const auto stepsOf = [&](const auto& position) HWY_ATTR {
+                const auto offset = hn::Sub(hn::Add(hn::Floor(position), set(0.5f)), position);
+                const auto steps = hn::Floor(hn::Sub(set(0.5f), hn::Mul(offset, set(kPlaceStepsOfPoint))));
+                return hn::Add(steps, hn::IfThenElseZero(hn::Lt(steps, zero), set(5.f)));
+            };
+            const auto code = hn::ConvertTo(ints, hn::MulAdd(stepsOf(u), set(5.f), stepsOf(v)));
+            const auto isNear = hn::RebindMask(floats, hn::Ne(high, hn::Zero(words)));
+            high = hn::Or(high,
+                          hn::BitCast(words, hn::IfThenElseZero(isNear, hn::BitCast(floats, hn::ShiftLeft<1>(code)))));
+        }
         const auto isDrawnWord = hn::RebindMask(words, isDrawn);
-        hn::StoreInterleaved2(
-            hn::IfThenElseZero(isDrawnWord, low),
-            hn::IfThenElseZero(isDrawnWord, hn::AndNot(hn::Set(words, 1u), hn::BitCast(words, disparity))), words,
-            batch.keys + 2 * batch.count);
+        hn::StoreInterleaved2(hn::IfThenElseZero(isDrawnWord, low), hn::IfThenElseZero(isDrawnWord, high), words,
+                              batch.keys + 2 * batch.count);
         const auto isDrawnInt = hn::RebindMask(ints, isDrawn);
         const auto pixelX = hn::ConvertTo(ints, hn::IfThenElseZero(isDrawn, left));
         const auto pixelY = hn::ConvertTo(ints, hn::IfThenElseZero(isDrawn, top));
@@ -141,11 +159,9 @@ RowRange drawPointsOf(const TileWarp& warp, std::span<const TileVertex> vertices
         } else {
             hn::Store(pixelX, ints, x);
             hn::Store(pixelY, ints, batch.y + batch.count);
-            const auto pixelOf = [&](const auto& position) HWY_ATTR {
-                return hn::ConvertTo(ints, hn::IfThenElseZero(isDrawn, hn::Floor(position)));
-            };
-            hn::Store(pixelOf(u), ints, batch.ownX + batch.count);
-            hn::Store(pixelOf(v), ints, batch.ownY + batch.count);
+            hn::Store(hn::IfThenElseZero(isDrawn, u), floats, batch.u + batch.count);
+            hn::Store(hn::IfThenElseZero(isDrawn, v), floats, batch.v + batch.count);
+            hn::Store(disparity, floats, batch.disparity + batch.count);
         }
         batch.count += lanes;
         if (batch.count + lanes > Batch::kCapacity) flush();

@@ -45,7 +45,8 @@ RowRange drawTileSplats(const TileBlock& block, const Tile& tile, const TileWarp
             const float share = (dx * dx + dy * dy) * perRadius2;
             if (share > 1.f) return;
             const float disparity = p.disparity * (1.f - kFalloff * share);
-            zBuffer(x, y) = std::max(zBuffer(x, y), keyOf(disparity, vertex.colour, warp.levelAndClass));
+            zBuffer(x, y) = std::max(zBuffer(x, y), withPlace(keyOf(disparity, vertex.colour, warp.levelAndClass), dx,
+                                                              dy, kPlaceStepsOfSplat));
         };
         if (coversTwoAtMost) {
             const int x = static_cast<int>(std::floor(p.u)), y = static_cast<int>(std::floor(p.v));

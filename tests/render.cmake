@@ -24,6 +24,7 @@ revisit_test(revisit_render_tests WHOLE LABELS gpu TIMEOUT 600 LINKS revisit_ren
         render/rescale_test.cpp
         render/selection_test.cpp
         render/shared_math_test.cpp
+        render/sample_place_test.cpp
         render/splats_test.cpp
         render/standing_test.cpp
         render/stereo_test.cpp

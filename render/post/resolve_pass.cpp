@@ -48,23 +48,26 @@ ResolvePass makeResolvePass(const Device& device, VkDescriptorSetLayout eyeLayou
     };
     constexpr std::uint32_t kMarksHoles = 1;
     const std::uint32_t size = device.workgroupSize(kResolvedTogether), byWords = device.isProcessor() ? 1 : 0;
-    return {.plain = make(kResolveCode, {size, 0, byWords}),
-            .marking = make(kResolveCode, {size, kMarksHoles, byWords}),
+    constexpr std::uint32_t kInterpolates = 1;
+    return {.plain = {make(kResolveCode, {size, 0, byWords, 0}), make(kResolveCode, {size, 0, byWords, kInterpolates})},
+            .marking = {make(kResolveCode, {size, kMarksHoles, byWords, 0}),
+                        make(kResolveCode, {size, kMarksHoles, byWords, kInterpolates})},
             .listing = make(kListHolesCode, {device.workgroupSize(kWordsListedTogether)}),
             .filling = make(kFillHolesCode, {device.workgroupSize(kHolesFilledTogether)}),
             .isByRows = device.isProcessor()};
 }
 
 void recordResolve(VkCommandBuffer commands, const ResolvePass& pass, VkDescriptorSet eyeSet, int width, int height,
-                   const HoleFill& holes) {
+                   const HoleFill& holes, const std::optional<PlaceSteps>& places) {
     assert(holes.radius <= kMostHoleRadius);
-    const ResolveConstants constants{width, height, holes};
+    const ResolveConstants constants{width, height, holes, places.value_or(PlaceSteps{})};
+    const std::size_t how = places ? 1 : 0;
     const std::uint32_t groups = pass.isByRows ? 1 : groupsOf(width, kResolvedTogether);
     if (holes.radius <= 0) {
-        dispatch(commands, pass.plain, eyeSet, constants, groups);
+        dispatch(commands, pass.plain.at(how), eyeSet, constants, groups);
         return;
     }
-    dispatch(commands, pass.marking, eyeSet, constants, groups);
+    dispatch(commands, pass.marking.at(how), eyeSet, constants, groups);
     record(commands, kBetween);
     dispatch(commands, pass.listing, eyeSet, constants, 1);
     record(commands, kBetween);

@@ -5,20 +5,25 @@
 #include "render/pipeline.h"
 #include "render/shaders/shared/hole_fill.h"
 
+#include <array>
+#include <optional>
+
 namespace render {
 
 class Device;
 
 struct ResolvePass {
-    ComputePipeline plain, marking;   ///< make the picture; tell which pixels hold anything, too
+    /// Make the picture; tell which pixels hold anything, too; each with samples as they are, and interpolated.
+    std::array<ComputePipeline, 2> plain, marking;
     ComputePipeline listing, filling; ///< what of those that hold nothing may be filled; fills it
     bool isByRows = false;            ///< one workgroup for each row of pixels
 };
 
 ResolvePass makeResolvePass(const Device& device, VkDescriptorSetLayout eyeLayout);
 
-/// From the z-buffer of eyeSet to its colours and depths. A radius of 0 fills nothing and costs nothing.
+/// From the z-buffer of eyeSet to its colours and depths. A radius of 0 fills nothing and costs nothing. Colours are
+/// interpolated between samples if their places' steps are given.
 void recordResolve(VkCommandBuffer commands, const ResolvePass& pass, VkDescriptorSet eyeSet, int width, int height,
-                   const HoleFill& holes);
+                   const HoleFill& holes, const std::optional<PlaceSteps>& places);
 
 } // namespace render

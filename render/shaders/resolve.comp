@@ -1,7 +1,8 @@
 #version 460
 // The z-buffer becomes an ordinary picture: colour with its class in the last byte, and depth in metres along z. Which
 // pixels hold anything, and which may be seen through a crack, is told by a bit each on the way, for the hole filler
-// (list_holes.comp, fill_holes.comp); and no holes are on any row's list yet.
+// (list_holes.comp, fill_holes.comp); and no holes are on any row's list yet. Colours may be interpolated between samples
+// (sample_place.h).
 //
 // On a graphics card an invocation resolves a pixel: neighbours read and write what stands beside one another. On a
 // processor it resolves 32, a word of bits, one after the other, and keeps the one to the left.
@@ -9,11 +10,13 @@
 
 #include "render/shaders/shared/hole_fill.h"
 #include "render/shaders/shared/hole_words.h"
+#include "render/shaders/shared/sample_place.h"
 #include "render/shaders/shared/z_key.h"
 
 layout(local_size_x_id = 0) in;
 layout(constant_id = 1) const bool MARKS_HOLES = true;
 layout(constant_id = 2) const bool BY_WORDS = false;
+layout(constant_id = 3) const bool INTERPOLATES = false;
 
 layout(std430, set = 0, binding = 2) writeonly buffer Colours { uint colours[]; };
 layout(std430, set = 0, binding = 3) writeonly buffer Depths { float depths[]; };
@@ -26,12 +29,18 @@ shared uint empty[kMostWords], pinholes[kMostWords];
 
 uvec2 keyAt(int x, int y)
 {
-    return x >= 0 && y >= 0 ? texelFetch(zTexels, y * constants.width + x).xy : uvec2(0u);
+    bool isInside = uint(x) < uint(constants.width) && uint(y) < uint(constants.height);
+    return isInside ? texelFetch(zTexels, y * constants.width + x).xy : uvec2(0u);
 }
 
-void put(int x, int y, uvec2 key)
+PlacedSample placed(uvec2 key)
 {
-    colours[y * constants.width + x] = colourAndClassOf(key);
+    return placedSampleOf(key, constants.places);
+}
+
+void put(int x, int y, uvec2 key, uint colour)
+{
+    colours[y * constants.width + x] = isHole(key) ? 0u : colour | ((key.x & 3u) << 24);
     depths[y * constants.width + x] = depthOf(key);
 }
 
@@ -45,14 +54,24 @@ void resolveWord(int word, int y)
 {
     int first = word * kHoleWordBits, pixels = min(kHoleWordBits, constants.width - first);
     uint held = 0u, cracks = 0u;
-    uvec2 left = MARKS_HOLES ? keyAt(first - 1, y) : uvec2(0u);
+    uvec2 left = keyAt(first - 1, y), own = keyAt(first, y);
+    PlacedSample placedLeft, placedOwn;
+    if (INTERPOLATES) placedLeft = placed(left), placedOwn = placed(own);
     for (int i = 0; i < pixels; ++i) {
-        uvec2 own = keyAt(first + i, y);
-        put(first + i, y, own);
-        if (!MARKS_HOLES) continue;
-        held |= isHole(own) ? 0u : 1u << i;
-        cracks |= isPinhole(own, left, keyAt(first + i, y - 1), constants.fill) ? 1u << i : 0u;
-        left = own;
+        int x = first + i;
+        uvec2 right = keyAt(x + 1, y), above = keyAt(x, y - 1);
+        uint colour = own.x >> 8;
+        if (INTERPOLATES) {
+            PlacedSample placedRight = placed(right);
+            colour = interpolatedColour(placedOwn, placedLeft, placedRight, placed(above), placed(keyAt(x, y + 1)));
+            placedLeft = placedOwn, placedOwn = placedRight;
+        }
+        put(x, y, own, colour);
+        if (MARKS_HOLES) {
+            held |= isHole(own) ? 0u : 1u << i;
+            cracks |= isPinhole(own, left, above, constants.fill) ? 1u << i : 0u;
+        }
+        left = own, own = right;
     }
     if (MARKS_HOLES) putWord(word, y, held, cracks);
 }
@@ -66,7 +85,11 @@ void resolvePixel(int x, int y, uint lane)
     }
     if (x < constants.width) {
         uvec2 own = keyAt(x, y);
-        put(x, y, own);
+        uint colour = own.x >> 8;
+        if (INTERPOLATES)
+            colour = interpolatedColour(placed(own), placed(keyAt(x - 1, y)), placed(keyAt(x + 1, y)),
+                                        placed(keyAt(x, y - 1)), placed(keyAt(x, y + 1)));
+        put(x, y, own, colour);
         // Few are: most invocations have nothing to say.
         if (MARKS_HOLES && isHole(own)) atomicOr(empty[word], bit);
         if (MARKS_HOLES && isPinhole(own, keyAt(x - 1, y), keyAt(x, y - 1), constants.fill))

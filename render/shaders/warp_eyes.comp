@@ -64,20 +64,20 @@ void put(uint eye, int pixel, uint64_t key)
 
 void drawSquare(EyeDraw own, ivec2 corner, vec3 seen, uint colour) // as in warp_points.comp
 {
-    uvec2 key = packKey(seen.z, colour, own.levelAndClass), rim = rimOf(key);
-    ivec2 stands = ivec2(floor(seen.xy));
     ivec2 first = max(corner, 0), end = min(corner + own.side, ivec2(constants.width, constants.height));
     for (int y = first.y; y < end.y; ++y)
         for (int x = first.x; x < end.x; ++x)
-            put(own.eye, y * constants.width + x, packUint2x32(ivec2(x, y) == stands ? key : rim));
+            put(own.eye, y * constants.width + x,
+                packUint2x32(keyOfPoint(seen.z, colour, own.levelAndClass, ivec2(x, y), seen.xy)));
 }
 
 void drawPixel(EyeDraw own, ivec2 pixel, vec3 seen, uint colour)
 {
-    float disparity = splatDisparity(seen.z, offsetOfPixel(pixel, seen.xy), own.perRadius2);
+    vec2 offset = offsetOfPixel(pixel, seen.xy);
+    float disparity = splatDisparity(seen.z, offset, own.perRadius2);
     bool isInside = uint(pixel.x) < uint(constants.width) && uint(pixel.y) < uint(constants.height);
     if (disparity >= 0.0f && isInside)
-        put(own.eye, pixel.y * constants.width + pixel.x, packUint2x32(packKey(disparity, colour, own.levelAndClass)));
+        put(own.eye, pixel.y * constants.width + pixel.x, packUint2x32(keyOfSplat(disparity, offset, colour, own.levelAndClass)));
 }
 
 void drawCircle(EyeDraw own, ivec2 corner, vec3 seen, uint colour) // as in warp_splats.comp
@@ -111,7 +111,7 @@ void drawSample(EyeDraw own, vec3 at, vec3 chances, uint colour)
     }
     if (side == 1)
         put(own.eye, corner.y * constants.width + corner.x,
-            packUint2x32(packKey(seen.z, colour, own.levelAndClass)));
+            packUint2x32(keyOfPoint(seen.z, colour, own.levelAndClass, corner, seen.xy)));
     else
         drawSquare(own, corner, seen, colour);
 }

@@ -61,7 +61,7 @@ void drawPixel(TileDraw draw, Piece piece, uint levelAndClass, ivec2 offset)
     if (sight.disparity < 0.0f) return;
     ivec2 pixel = piece.box.first + offset;
     int at = pixel.y * constants.width + pixel.x;
-    if (isHidden(at, sight.disparity)) return;
+    if (isHidden(at, orderBitsOf(sight.disparity))) return;
     if (IS_PLAIN == 0u && isByDetail(draw)) {
         uint x = uint(max(piece.place.x + int(floor(sight.x + 0.5f)), 0));
         uint y = uint(max(piece.place.y + int(floor(sight.y + 0.5f)), 0));

@@ -7,6 +7,7 @@
 #extension GL_EXT_shader_atomic_int64 : require
 
 #include "render/shaders/shared/detail.h"
+#include "render/shaders/shared/sample_place.h"
 #include "render/shaders/shared/z_key.h"
 #include "render/shaders/read_draw.glsl"
 #include "render/shaders/z_buffer.glsl"
@@ -18,7 +19,7 @@ layout(push_constant) uniform Constants { WarpConstants constants; };
 
 void drawPixel(int at, uvec2 key)
 {
-    if (!isHidden(at, uintBitsToFloat(key.y))) atomicMax(zBuffer[at], packUint2x32(key));
+    if (!isHidden(at, key.y)) atomicMax(zBuffer[at], packUint2x32(key));
 }
 
 uint rowOf(TileDraw draw, uint item)
@@ -45,21 +46,22 @@ void main()
             if (!isOfDetail(draw, at.x, at.y, h.z)) continue;
         }
         vec3 seen = project(h);
-        uvec2 key = packKey(seen.z, vertex.y, levelAndClass);
         float left = firstOfFootprint(seen.x, size), top = firstOfFootprint(seen.y, size);
         // Compared as floats: far outside, the conversion to int is undefined.
         if (IS_PLAIN != 0u) { // one pixel
             if (left >= 0.0f && left < width && top >= 0.0f && top < height)
-                drawPixel(int(top) * constants.width + int(left), key);
+            {
+                ivec2 own = ivec2(left, top);
+                drawPixel(own.y * constants.width + own.x,
+                          keyWherePointStands(seen.z, vertex.y, levelAndClass, offsetOfPixel(own, seen.xy)));
+            }
             continue;
         }
         if (!(left > -float(size) && left < width && top > -float(size) && top < height)) continue;
         ivec2 first = max(ivec2(left, top), 0);
         ivec2 end = min(ivec2(left, top) + size, ivec2(constants.width, constants.height));
-        ivec2 own = ivec2(floor(seen.xy));
-        uvec2 rim = rimOf(key);
         for (int y = first.y; y < end.y; ++y)
             for (int x = first.x; x < end.x; ++x)
-                drawPixel(y * constants.width + x, ivec2(x, y) == own ? key : rim);
+                drawPixel(y * constants.width + x, keyOfPoint(seen.z, vertex.y, levelAndClass, ivec2(x, y), seen.xy));
     }
 }

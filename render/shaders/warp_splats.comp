@@ -18,12 +18,14 @@ layout(push_constant) uniform Constants { WarpConstants constants; };
 
 void drawPixel(ivec2 pixel, vec3 seen, float perRadius2, uint colour, uint levelAndClass)
 {
-    float disparity = splatDisparity(seen.z, offsetOfPixel(pixel, seen.xy), perRadius2);
+    vec2 offset = offsetOfPixel(pixel, seen.xy);
+    float disparity = splatDisparity(seen.z, offset, perRadius2);
     bool isInside = uint(pixel.x) < uint(constants.width) && uint(pixel.y) < uint(constants.height);
     if (!(disparity >= 0.0f && isInside)) return;
     int at = pixel.y * constants.width + pixel.x;
-    if (isHidden(at, disparity)) return;
-    atomicMax(zBuffer[at], packUint2x32(packKey(disparity, colour, levelAndClass)));
+    uvec2 key = keyOfSplat(disparity, offset, colour, levelAndClass);
+    if (isHidden(at, key.y)) return;
+    atomicMax(zBuffer[at], packUint2x32(key));
 }
 
 uint rowOf(TileDraw draw, uint item)

@@ -84,7 +84,7 @@ TEST(ZKey, OrdersByDisparityAndKeepsColourAndClass) {
     for (uint level = 0; level <= 63; ++level) {
         const float order = 0.25f / scene::orderScale(static_cast<int>(level));
         const uvec2 pushed = packKey(order, 0x123456u, level << 2 | kClassSeen);
-        EXPECT_NEAR(depthOf(pushed), 4.0f, 1e-6f) << "level " << level << " is taken back";
+        EXPECT_NEAR(depthOf(pushed) / 4.0f, 1, 4e-6f) << "level " << level << " is taken back";
         EXPECT_EQ(colourAndClassOf(pushed), 0x01123456u);
     }
     EXPECT_EQ(depthOf(uvec2(0, 0)), 0.0f);

@@ -23,7 +23,10 @@ std::vector<Way> ways() {
                          {"points, near squares, filled", qualityOf(Warp::points)},
                          {"points, blended", qualityOf(Warp::points)},
                          {"mesh, lone points, blended, filled", qualityOf(Warp::mesh)},
-                         {"adaptive, lone points, coarse, smaller, filled", qualityOf(Warp::adaptive)}};
+                         {"adaptive, lone points, coarse, smaller, filled", qualityOf(Warp::adaptive)},
+                         {"points, interpolated", qualityOf(Warp::points)},
+                         {"splats, interpolated", qualityOf(Warp::splats)}};
+    all[4].quality.interpolatesSamples = all[8].quality.interpolatesSamples = all[9].quality.interpolatesSamples = true;
     all[4].quality.holes.radius = 8, all[4].quality.drawsSquaresNear = true;
     all[6].quality.drawsLone = all[7].quality.drawsLone = true;
     all[5].quality.isBlended = true;
@@ -68,8 +71,27 @@ std::optional<scene::EyeImage> Studio::drawByProcessor(const scene::View& eye, c
                       : quality.warp == Warp::mesh ? scene::warpMesh
                                                    : scene::warpSplats;
     warp(blocks, eye, options, zBuffer);
+    if (!quality.isBlended && quality.interpolatesSamples)
+        return interpolated(zBuffer, quality.warp == Warp::points ? placeStepsOfPoints() : placeStepsOfSplats());
     if (!quality.isBlended) return scene::resolve(zBuffer);
     return scene::resolve(zBuffer, scene::warpBlend(blocks, eye, quality.blend, zBuffer));
+}
+
+scene::EyeImage interpolated(const scene::ZBuffer& zBuffer, const PlaceSteps& places) {
+    scene::EyeImage eye = scene::resolve(zBuffer);
+    const auto at = [&](int x, int y) {
+        const bool isInside = x >= 0 && y >= 0 && x < zBuffer.width() && y < zBuffer.height();
+        const std::uint64_t key = isInside ? zBuffer(x, y) : 0;
+        return placedSampleOf(uvec2(static_cast<uint>(key), static_cast<uint>(key >> 32)), places);
+    };
+    for (int y = 0; y < zBuffer.height(); ++y)
+        for (int x = 0; x < zBuffer.width(); ++x) {
+            if (zBuffer(x, y) == 0) continue;
+            const uint mean = interpolatedColour(at(x, y), at(x - 1, y), at(x + 1, y), at(x, y - 1), at(x, y + 1));
+            const auto byte = [&](int shift) { return static_cast<std::uint8_t>(mean >> shift & 255u); };
+            eye.colour(x, y) = {byte(0), byte(8), byte(16)};
+        }
+    return eye;
 }
 
 testing::AssertionResult isSane(const EyeImage& image) {

@@ -57,6 +57,9 @@ class Studio {
 /// No NaN, nothing behind the eye, and depth where something is drawn.
 testing::AssertionResult isSane(const EyeImage& image);
 
+/// The z-buffer's picture with colours interpolated between samples, by the code that shaders share.
+scene::EyeImage interpolated(const scene::ZBuffer& zBuffer, const PlaceSteps& places);
+
 /// Over all pixels, whatever their class; dB.
 double psnrOf(const EyeImage& a, const EyeImage& b);
 

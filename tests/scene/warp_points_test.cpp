@@ -49,11 +49,21 @@ void warpOneByOne(std::span<const TileBlock> blocks, const View& eye, const Warp
                 const float left = std::floor(h[0] * perW - half), top = std::floor(h[1] * perW - half);
                 const std::uint32_t low =
                     (vertex.colour & 0xffffffu) << 8 | static_cast<std::uint32_t>(*level) << 2 | 1u;
-                // The last bit tells a rim, a hundredth less near.
-                const std::uint32_t order = std::bit_cast<std::uint32_t>(disparity) / 2 * 2;
-                const std::uint32_t behind =
-                    order == 0 ? 0 : std::bit_cast<std::uint32_t>(std::bit_cast<float>(order) * 0.99f) / 2 * 2 + 1;
-                const std::uint64_t key = std::uint64_t{order} << 32 | low, rim = std::uint64_t{behind} << 32 | low;
+                // The last bit tells a rim, a hundredth less near; the five before it where the sample stands.
+                const auto rounded = [](float d) { return (std::bit_cast<std::uint32_t>(d) + 32) / 64 * 64; };
+                const std::uint32_t order = rounded(disparity);
+                const std::uint32_t behind = rounded(disparity * 0.99f) == 0 ? 0 : rounded(disparity * 0.99f) + 1;
+                const auto keyAt = [&](int u, int v, bool isOwn) {
+                    const std::uint32_t disparityAndRim = isOwn ? order : behind;
+                    // Quarters of a pixel from its centre, or halves, at most two, modulo 5.
+                    const float perPixel = isOwn ? 4 : 2;
+                    const auto steps = [&](int pixel, float at) {
+                        const float offset = static_cast<float>(pixel) + 0.5f - at;
+                        return (static_cast<int>(std::clamp(std::floor(0.5f - offset * perPixel), -2.f, 2.f)) + 5) % 5;
+                    };
+                    const auto place = static_cast<std::uint32_t>(5 * steps(u, h[0] * perW) + steps(v, h[1] * perW));
+                    return std::uint64_t{disparityAndRim == 0 ? 0 : disparityAndRim + 2 * place} << 32 | low;
+                };
                 const float ownX = std::floor(h[0] * perW), ownY = std::floor(h[1] * perW);
                 for (int v = 0; v < zBuffer.height(); ++v)
                     for (int u = 0; u < zBuffer.width(); ++u)
@@ -62,7 +72,7 @@ void warpOneByOne(std::span<const TileBlock> blocks, const View& eye, const Warp
                             static_cast<float>(v) < top + static_cast<float>(pixels))
                             zBuffer(u, v) =
                                 std::max(zBuffer(u, v),
-                                         static_cast<float>(u) == ownX && static_cast<float>(v) == ownY ? key : rim);
+                                         keyAt(u, v, static_cast<float>(u) == ownX && static_cast<float>(v) == ownY));
             }
         }
     }

@@ -19,6 +19,7 @@
 // was filled fills nothing more.
 
 #include "render/shaders/shared/language.h"
+#include "render/shaders/shared/sample_place.h"
 #include "render/shaders/shared/z_key.h"
 
 SHARED_BEGIN
@@ -53,10 +54,11 @@ struct ResolveConstants {
     int width; ///< pixels
     int height;
     HoleFill fill;
+    PlaceSteps places; ///< of the samples in the z-buffer, where pixels are made of what stands about their centres
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(HoleFill) == 16 && sizeof(ResolveConstants) == 24);
+static_assert(sizeof(HoleFill) == 16 && sizeof(ResolveConstants) == 32);
 #endif
 
 SHARED_CONSTANT int kHoleAxes = 8, kMaskAxes = 4;

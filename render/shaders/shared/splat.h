@@ -3,6 +3,7 @@
 // Quadratic splats (Nyland et al. 1999, section 5.4): circles of one colour whose depth falls off from their centres,
 // so that of overlapping ones each pixel shows the nearest. scene/warp_splats.cpp is the same on the processor.
 
+#include "render/shaders/shared/sample_place.h"
 #include "render/shaders/shared/tile_draw.h"
 
 SHARED_BEGIN
@@ -39,17 +40,17 @@ SHARED_FUNCTION ivec2 nextOfSplat(vec2 offset) {
     return ivec2(isAcross ? across : 0, isAcross ? 0 : along);
 }
 
-/// From a splat's centre to that of a pixel.
-SHARED_FUNCTION vec2 offsetOfPixel(ivec2 pixel, vec2 centre) {
-    PRECISE vec2 offset = vec2(float(pixel.x), float(pixel.y)) + vec2(0.5f, 0.5f) - centre;
-    return offset;
-}
-
 /// The disparity of a splat at an offset from its centre, pixels; negative outside of it. perRadius2: 1 / radius^2.
 SHARED_FUNCTION float splatDisparity(float disparity, vec2 offset, float perRadius2) {
     PRECISE float share = (offset.x * offset.x + offset.y * offset.y) * perRadius2;
     PRECISE float there = disparity * (1.0f - kSplatFalloff * share);
     return share > 1.0f ? -1.0f : there;
+}
+
+/// The key of a pixel that a splat covers, with its disparity there.
+SHARED_FUNCTION uvec2 keyOfSplat(float disparity, vec2 offset, uint colour, uint levelAndClass) {
+    return withPlace(packKey(disparity, colour, levelAndClass),
+                     placeCode(offset, perPixelOf(placeStepsOfSplats().own)));
 }
 
 SHARED_END
