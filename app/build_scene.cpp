@@ -2,14 +2,12 @@
 
 #include "app/build_stages.h"
 #include "app/progress.h"
-
+#include "app/say.h"
 #include "scene/align/scanner_file.h"
 #include "scene/errors.h"
 #include "scene/import/importer.h"
 #include "scene/import/scan_photos.h"
 #include "scene/unfinished_file.h"
-
-#include <cstdio>
 
 namespace app {
 
@@ -94,7 +92,7 @@ scene::Failure damagedStage(const std::string& message, const std::filesystem::p
 } // namespace
 
 void tell(scene::Capture& capture, const std::string& sentence) {
-    std::fprintf(stderr, "note: %s\n", scene::onOneLine(sentence).c_str());
+    sayNote(sentence);
     capture.remarks.push_back(sentence);
 }
 
@@ -112,7 +110,7 @@ void buildScene(const BuildOptions& options) {
     if (capture.polygons.empty() && capture.scans.empty() && heldOut.photos.size() == capture.photos.size())
         throw nothingToBuild(options);
     for (const std::string& remark : capture.remarks)
-        std::fprintf(stderr, "note: %s\n", scene::onOneLine(remark).c_str());
+        sayNote(remark);
 
     std::filesystem::path work = std::filesystem::absolute(options.output).lexically_normal();
     if (!work.has_filename()) work = work.parent_path();

@@ -1,6 +1,7 @@
 #include "app/calibrate.h"
 
 #include "app/build_stages.h"
+#include "app/say.h"
 #include "app/stage_store.h"
 
 #include "scene/align/scanner_calibration.h"
@@ -61,8 +62,7 @@ void calibrateCamera(const CalibrateOptions& options) {
     Json pictures = Json::array();
     for (const scene::BoardPicture& picture : found.pictures) {
         pictures.push_back(describe(picture));
-        if (!picture.isFound)
-            std::fprintf(stderr, "note: %s %s; left out\n", picture.path.string().c_str(), picture.why.c_str());
+        if (!picture.isFound) sayNote(picture.path.string() + " " + picture.why + "; left out");
     }
     const scene::Camera& c = found.camera;
     const scene::Distortion& d = found.distortion;

@@ -1,5 +1,6 @@
 #include "app/coverage_on_device.h"
 
+#include "app/say.h"
 #include "render/device.h"
 #include "render/post/coverage_texels.h"
 #include "scene/coverage_levels.h"
@@ -24,14 +25,12 @@ std::string millimetresOf(double metres) {
 }
 
 void sayIsEmptiness(const std::string& why) {
-    std::fprintf(stderr, "revisit: what nobody saw is shown as emptiness: the device cannot hold it (%s)\n",
-                 why.c_str());
+    say("what nobody saw is shown as emptiness: the device cannot hold it (" + why + ")");
 }
 
 void sayIsCoarser(const scene::Coverage& coverage, const CoverageForm& form) {
-    std::fprintf(stderr, "revisit: what nobody saw is told by cells of %s instead of %s (%s)\n",
-                 millimetresOf(scene::cellOfLevels(coverage, form.levels)).c_str(),
-                 millimetresOf(scene::cellOfLevels(coverage, form.wished)).c_str(), form.why.c_str());
+    say("what nobody saw is told by cells of " + millimetresOf(scene::cellOfLevels(coverage, form.levels)) +
+        " instead of " + millimetresOf(scene::cellOfLevels(coverage, form.wished)) + " (" + form.why + ")");
 }
 
 } // namespace

@@ -1,21 +1,13 @@
 #include "app/device_trouble.h"
 
+#include "app/say.h"
 #include "render/device.h"
 #include "render/warp/polygon_pass.h"
 #include "render/warp/stereo_pass.h"
 
-#include <cstdio>
 #include <string>
 
 namespace app {
-
-namespace {
-
-void say(const std::string& line) {
-    std::fprintf(stderr, "revisit: %s\n", line.c_str());
-}
-
-} // namespace
 
 void LossWatch::tell(const render::DeviceLost& loss, Time now) {
     const std::optional<Time> before = std::exchange(lastLoss_, now);

@@ -1,12 +1,11 @@
 #include "app/drawn_scene.h"
 
 #include "app/coverage_on_device.h"
-
+#include "app/say.h"
 #include "render/device.h"
 #include "scene/import/polygons.h"
 
 #include <algorithm>
-#include <cstdio>
 
 #include <glm/matrix.hpp>
 
@@ -20,7 +19,7 @@ DrawnScene::DrawnScene(const scene::Scene& given, const DrawOptions& options) : 
     if (options.polygons.empty()) return;
     polygons = scene::readPolygons(options.polygons);
     for (const std::string& remark : polygons->remarks)
-        std::fprintf(stderr, "note: %s\n", remark.c_str());
+        sayNote(remark);
 }
 
 DeviceScene bringTo(const render::Device& device, const DrawnScene& drawn) {

@@ -1,9 +1,8 @@
 #include "app/film_writer.h"
 
+#include "app/say.h"
 #include "scene/errors.h"
 #include "scene/late_library.h"
-
-#include <cstdio>
 
 namespace app {
 
@@ -12,7 +11,7 @@ std::unique_ptr<FilmWriter> openFilm(const std::string& file, int rate, int widt
         reinterpret_cast<decltype(&revisitOpenFilm)>(scene::functionOfLibrary("librevisit_film.so", "revisitOpenFilm"));
     return std::unique_ptr<FilmWriter>(open(file.c_str(), rate, width, height));
 } catch (const scene::Failure& failure) { // a walk does not end with a film
-    std::fprintf(stderr, "revisit: %s\n", failure.what());
+    say(failure.what());
     return nullptr;
 }
 

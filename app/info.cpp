@@ -1,7 +1,7 @@
 #include "app/info.h"
 
 #include "app/notes.h"
-
+#include "scene/errors.h"
 #include "scene/scene_file.h"
 
 #include <cstdio>
@@ -15,6 +15,11 @@ namespace app {
 namespace {
 
 using nlohmann::json;
+
+/// Names of files and what people wrote, in one line.
+std::string shown(const json& text) {
+    return scene::onOneLine(text.get<std::string>());
+}
 
 std::uintmax_t bytesOnDisk(const std::filesystem::path& folder) {
     std::uintmax_t bytes = 0;
@@ -76,14 +81,14 @@ void printRegistration(const json& registration) {
                 registration.at("scans").size(), apart.c_str(), 1e3 * registration.at("rms_m").get<double>());
     for (const json& pair : registration.at("pairs")) {
         if (!pair.at("used").get<bool>()) {
-            std::printf("  pair       %s, %s: %s; overlap %s\n", pair.at("a").get<std::string>().c_str(),
-                        pair.at("b").get<std::string>().c_str(), pair.at("verdict").get<std::string>().c_str(),
+            std::printf("  pair       %s, %s: %s; overlap %s\n", shown(pair.at("a")).c_str(),
+                        shown(pair.at("b")).c_str(), pair.at("verdict").get<std::string>().c_str(),
                         shareText(pair.at("overlap"), 1).c_str());
             continue;
         }
         std::printf("  pair       %s, %s: %s; overlap %s, %.2f %% against, residual %.1f mm, known to %.1f mm and "
                     "%.3f degrees\n",
-                    pair.at("a").get<std::string>().c_str(), pair.at("b").get<std::string>().c_str(),
+                    shown(pair.at("a")).c_str(), shown(pair.at("b")).c_str(),
                     pair.at("verdict").get<std::string>().c_str(), shareText(pair.at("overlap"), 1).c_str(),
                     100 * pair.at("against_share").get<double>(), 1e3 * pair.at("rms_m").get<double>(),
                     1e3 * pair.at("deviation_m").get<double>(), pair.at("deviation_deg").get<double>());
@@ -119,13 +124,13 @@ void printPoses(const json& poses) {
 void printPhotographs(const json& photographs) {
     if (photographs.is_null()) return;
     for (const json& photo : photographs) {
-        std::printf("  photograph %s of %s: %s", photo.at("name").get<std::string>().c_str(),
-                    photo.at("scan").get<std::string>().c_str(), photo.at("verdict").get<std::string>().c_str());
+        std::printf("  photograph %s of %s: %s", shown(photo.at("name")).c_str(), shown(photo.at("scan")).c_str(),
+                    photo.at("verdict").get<std::string>().c_str());
         if (photo.at("sure").get<bool>())
             std::printf("; turned by %.3f degrees, known to %.3f", photo.at("turned_deg").get<double>(),
                         photo.at("deviation_deg").get<double>());
         else
-            std::printf(" (%s)", photo.at("why").get<std::string>().c_str());
+            std::printf(" (%s)", shown(photo.at("why")).c_str());
         std::printf("; the next best turn scores %s, %s of its parts agree\n",
                     shareText(photo.at("rival_share"), 1).c_str(), shareText(photo.at("agreeing"), 1).c_str());
     }
@@ -135,10 +140,10 @@ void printNotes(const Notes& notes) {
     for (const Note& note : notes.list) {
         const glm::dvec3 &a = note.from, &b = note.to;
         if (note.kind == Note::Kind::point)
-            std::printf("  point      %s: %.3f %.3f %.3f\n", note.label.c_str(), a.x, a.y, a.z);
+            std::printf("  point      %s: %.3f %.3f %.3f\n", shown(note.label).c_str(), a.x, a.y, a.z);
         if (note.kind == Note::Kind::distance)
-            std::printf("  distance   %s: from %.3f %.3f %.3f to %.3f %.3f %.3f\n", note.label.c_str(), a.x, a.y, a.z,
-                        b.x, b.y, b.z);
+            std::printf("  distance   %s: from %.3f %.3f %.3f to %.3f %.3f %.3f\n", shown(note.label).c_str(), a.x, a.y,
+                        a.z, b.x, b.y, b.z);
     }
 }
 
@@ -161,7 +166,7 @@ void printInfo(const std::filesystem::path& folder, bool asJson) {
     const auto number = [&](const char* key) { return f.at(key).get<double>(); };
     std::printf("%s\n", folder.string().c_str());
     for (const json& input : info.at("provenance").at("inputs"))
-        std::printf("  from       %s\n", input.get<std::string>().c_str());
+        std::printf("  from       %s\n", shown(input).c_str());
     std::printf("  images     %zu, %zu held out, %.0f overlapping pairs\n", scene.images.size(), scene.heldOut.size(),
                 number("overlapping_pairs"));
     if (number("scan_points") > 0)
@@ -196,9 +201,9 @@ void printInfo(const std::filesystem::path& folder, bool asJson) {
     std::printf("  tiles      %.0f, %.1f MB; scene %.1f MB on disk\n", number("tiles"),
                 static_cast<double>(scene.tilesFile.bytes().size()) / 1e6, info["bytes_on_disk"].get<double>() / 1e6);
     for (const json& reason : info.at("built"))
-        std::printf("  built      %s\n", reason.get<std::string>().c_str());
+        std::printf("  built      %s\n", shown(reason).c_str());
     for (const json& remark : info.at("provenance").at("remarks"))
-        std::printf("  note       %s\n", remark.get<std::string>().c_str());
+        std::printf("  note       %s\n", shown(remark).c_str());
     printNotes(notes);
 }
 

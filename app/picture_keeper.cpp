@@ -1,5 +1,6 @@
 #include "app/picture_keeper.h"
 
+#include "app/say.h"
 #include "app/stage_store.h"
 #include "scene/picture_codec.h"
 
@@ -72,8 +73,7 @@ void PictureKeeper::keep(std::span<const xr::WindowPicture> pictures, const glm:
     if (isWritten)
         std::fprintf(stderr, "kept %s, seen from %.3f %.3f %.3f m\n", name.c_str(), place.x, place.y, place.z);
     else
-        std::fprintf(stderr, "revisit: %s: cannot be written; check the folder and the space on its disk\n",
-                     name.c_str());
+        say(name + ": cannot be written; check the folder and the space on its disk");
 }
 
 bool PictureKeeper::beginFilm() {
@@ -92,8 +92,7 @@ void PictureKeeper::addToFilm(std::span<const xr::WindowPicture> pictures) {
         filmWidth_ = frame.cols, filmHeight_ = frame.rows;
         film_ = openFilm(filmName_, kFilmRate, filmWidth_, filmHeight_);
         if (film_ == nullptr) {
-            std::fprintf(stderr, "revisit: %s: no film can be made; check the folder and the space on its disk\n",
-                         filmName_.c_str());
+            say(filmName_ + ": no film can be made; check the folder and the space on its disk");
             isFilming_ = false;
             return;
         }
@@ -110,7 +109,7 @@ void PictureKeeper::endFilm() {
     isFilming_ = false;
     if (film_ == nullptr) return;
     film_.reset();
-    std::fprintf(stderr, "kept %s\n", filmName_.c_str());
+    sayPlainly("kept " + filmName_);
 }
 
 } // namespace app

@@ -8,6 +8,7 @@
 #include "app/frame_report.h"
 #include "app/overlays.h"
 #include "app/progress.h"
+#include "app/say.h"
 #include "app/selection.h"
 #include "app/stage_store.h"
 #include "app/view_files.h"
@@ -19,7 +20,6 @@
 
 #include <chrono>
 #include <cmath>
-#include <cstdio>
 #include <memory>
 #include <optional>
 #include <span>
@@ -152,7 +152,7 @@ void renderScene(const RenderOptions& options) {
                 canvas.gpuScene().showOnly(selection.choose(eyeViews, given));
                 canvas.gpuScene().settle(eyeViews, given);
                 for (const std::string& sentence : damage.news(canvas.gpuScene(), scene))
-                    std::fprintf(stderr, "revisit: %s\n", sentence.c_str());
+                    say(sentence);
                 render::Overlay overlay;
                 if (options.showsCells) addCells(overlay, worldFromWalk, selection, view.worldFromCamera.translation);
                 images = drawOnce(canvas.rendererFor(view.camera, eyes), eyeViews, given, overlay, report);

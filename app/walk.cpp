@@ -1,6 +1,7 @@
 #include "app/walk.h"
 
 #include "app/overlays.h"
+#include "app/say.h"
 #include "app/stage_store.h"
 
 #include "input/path.h"
@@ -12,7 +13,6 @@
 
 #include <algorithm>
 #include <csignal>
-#include <cstdio>
 #include <utility>
 
 #include <glm/geometric.hpp>
@@ -47,7 +47,7 @@ std::optional<input::StartPose> readStartOf(const scene::Scene& scene) {
     try {
         return input::readStart(scene.folder / input::kStartFile);
     } catch (const scene::Failure& failure) {
-        std::fprintf(stderr, "revisit: %s\n", failure.what());
+        say(failure.what());
         return std::nullopt;
     }
 }
@@ -118,7 +118,7 @@ Walk::Walk(const scene::Scene& scene, const WalkOptions& options, DeskSide* desk
 }
 
 void Walk::say(const std::string& notice) {
-    std::fprintf(stderr, "%s\n", notice.c_str());
+    sayPlainly(notice);
     facts_.notice = notice;
 }
 

@@ -2,6 +2,7 @@
 
 #include "app/desk_window.h"
 #include "app/kept_settings.h"
+#include "app/say.h"
 #include "app/walk.h"
 
 #include "scene/errors.h"
@@ -50,10 +51,6 @@ bool hasDisplay() {
         return value != nullptr && *value != '\0';
     };
     return isSet("DISPLAY") || isSet("WAYLAND_DISPLAY");
-}
-
-void tell(const std::string& sentence) {
-    std::fprintf(stderr, "revisit: %s\n", sentence.c_str());
 }
 
 /// The window in this thread, the walk in another: neither holds the other up.
@@ -107,7 +104,7 @@ std::unique_ptr<xr::Window> openWindow(const WalkOptions& options) {
         return std::make_unique<xr::Window>("Revisit", kWindowWidth, kWindowHeight);
     } catch (const scene::Failure& failure) {
         if (options.isAtDesk) throw;
-        std::fprintf(stderr, "no mirror: %s\n", failure.what());
+        sayPlainly(std::string("no mirror: ") + failure.what());
         return nullptr;
     }
 }

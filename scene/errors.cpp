@@ -11,12 +11,20 @@ Failure::Failure(const std::string& what, const std::filesystem::path& where, co
 std::string onOneLine(const std::string& text) {
     constexpr const char* kDigits = "0123456789abcdef";
     std::string line;
-    for (const char character : text) {
-        const auto byte = static_cast<unsigned char>(character);
-        if (byte >= 0x20 && byte != 0x7f) // bytes of UTF-8 and of older encodings stay as they are
-            line += character;
-        else
-            line.append("\\x").append({kDigits[byte >> 4], kDigits[byte & 15]});
+    const auto escape = [&](unsigned char byte) {
+        line.append("\\x").append({kDigits[byte >> 4], kDigits[byte & 15]});
+    };
+    for (std::size_t i = 0; i < text.size(); ++i) {
+        const auto byte = static_cast<unsigned char>(text[i]);
+        const auto next = static_cast<unsigned char>(i + 1 < text.size() ? text[i + 1] : 0);
+        if (byte == 0xc2 && next >= 0x80 && next <= 0x9f) { // the upper controls, in UTF-8
+            escape(byte), escape(next);
+            ++i;
+        } else if (byte < 0x20 || byte == 0x7f) {
+            escape(byte);
+        } else { // bytes of UTF-8 and of older encodings stay as they are
+            line += text[i];
+        }
     }
     return line;
 }

@@ -8,6 +8,7 @@
 #include "tests/app/program.h"
 #include "tests/scene/scratch_folder.h"
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 
@@ -58,6 +59,14 @@ class Scans : public testing::Test {
   private:
     static inline scene::ScratchFolder* scratch_ = nullptr;
 };
+
+TEST_F(Scans, APlaneFileThatIsNotThereIsSaidAtOnce) {
+    const Outcome refused = build("none.revisit", "nowhere.json");
+    EXPECT_EQ(refused.status, 1);
+    EXPECT_THAT(refused.output, HasSubstr("nowhere.json"));
+    EXPECT_EQ(std::count(refused.output.begin(), refused.output.end(), '\n'), 1) << refused.output;
+    EXPECT_FALSE(std::filesystem::exists(path("none.revisit.build"))) << "nothing was begun";
+}
 
 TEST_F(Scans, FindTheirPosesAndTellOfThem) {
     const Outcome built = build("auto.revisit", "auto");

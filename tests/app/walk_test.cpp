@@ -300,6 +300,7 @@ TEST_F(Walk, WrongUsageIsTwoAndWhatCannotBeDoneIsOne) {
         {{kRevisit, "render", room, "--out", path("x"), "--warp", "bubbles"}, 2, "bubbles"},
         {{kRevisit, "build", path("nowhere"), "-o", path("x.revisit")}, 1, "no such file"},
         {{kRevisit, "build", path("no\nwhere"), "-o", path("x.revisit")}, 1, "no\\x0awhere"},
+        {{kRevisit, "build", path("no\xc2\x9bwhere\xc2\xb5"), "-o", path("x.revisit")}, 1, "no\\xc2\\x9bwhere\xc2\xb5"},
         {{kRevisit, "build", cut, "-o", path("x.revisit")}, 1, "depth.tiff: picture is empty, damaged"},
         {{kRevisit, "walk", room, "--headless", "--path", capture() + "/walk.json", "--picture-every", "2"},
          2,

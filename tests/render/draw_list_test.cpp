@@ -64,6 +64,15 @@ DrawList listOf(const Many& many, const Quality& quality, std::vector<TileDraw>&
     return list;
 }
 
+TEST(DrawList, TakesRoomForWhatIsInViewAlone) {
+    Many many = manyTiles(20000);
+    many.visible.pieces = {3, 150}, many.visible.counts = {100, 100};
+    std::vector<TileDraw> draws;
+    const DrawList list = listOf(many, {}, draws);
+    EXPECT_EQ(list.tiles, 200u - 66);
+    EXPECT_LE(list.chosen.size(), kDrawsPerTile * 200);
+}
+
 TEST(DrawList, GoesPageByPage) {
     const Many many = manyTiles(2000);
     std::vector<TileDraw> draws;

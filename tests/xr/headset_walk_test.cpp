@@ -93,6 +93,14 @@ double psnrOfWhole(const cv::Mat3b& a, const cv::Mat3b& b) {
     return app::psnr(a, b, cv::Mat1b(a.size(), std::uint8_t{1}));
 }
 
+/// As the processor's warp of points has it, without what is done to a picture besides.
+std::vector<std::string> bare(std::vector<std::string> command) {
+    for (const char* knob : {"--hole-radius", "0", "--footprint-scale", "1", "--sample-pixels", "0", "--squares-near",
+                             "false", "--interpolate-samples", "false"})
+        command.emplace_back(knob);
+    return command;
+}
+
 /// One picture of a walk, and the same drawn by `revisit render`.
 struct Drawn {
     scene::View view;
@@ -106,16 +114,14 @@ class HeadsetWalk : public testing::Test {
         if (!isMonadoThere()) GTEST_SKIP() << "Monado is missing";
     }
 
-    /// As the processor's warp of points has it, without what is done to a picture besides. Walks, draws the kept
-    /// pictures again; left and right by turns.
+    /// Walks, draws the kept pictures again; left and right by turns.
     std::vector<Drawn> walkAndDraw(const std::string& scene, const MonadoOptions& options) {
         const Monado monado(Variant::inproc, options);
         const std::string out = (scratch_ / "out").string(), frames = (scratch_ / "frames").string();
         {
             app::Walker walker(
-                monado.around({REVISIT_PROGRAM, "walk", scene, "--out", out, "--picture-every",
-                               std::to_string(kPictureEvery), "--frames", std::to_string(kFrames), "--hole-radius", "0",
-                               "--footprint-scale", "1", "--sample-pixels", "0", "--squares-near", "false"}),
+                monado.around(bare({REVISIT_PROGRAM, "walk", scene, "--out", out, "--picture-every",
+                                    std::to_string(kPictureEvery), "--frames", std::to_string(kFrames)})),
                 scratch_.path());
             const MovingHead head(monado.port());
             const app::Outcome walked = walker.waitForEnd();
@@ -123,11 +129,9 @@ class HeadsetWalk : public testing::Test {
             EXPECT_EQ(monado.validationMessages(), "");
         }
         EXPECT_EQ(readJson(out + "/report.json").at("frames"), kFrames);
-        const app::Outcome drawn =
-            app::run({REVISIT_PROGRAM, "render", scene, "--out", frames, "--cameras", out + "/cameras.json", "--eyes",
-                      "1", "--aux", "--hole-radius", "0", "--footprint-scale", "1", "--sample-pixels", "0",
-                      "--squares-near", "false"},
-                     scratch_.path());
+        const app::Outcome drawn = app::run(bare({REVISIT_PROGRAM, "render", scene, "--out", frames, "--cameras",
+                                                  out + "/cameras.json", "--eyes", "1", "--aux"}),
+                                            scratch_.path());
         EXPECT_EQ(drawn.status, 0) << drawn.output;
         const json cameras = readJson(out + "/cameras.json").at("cameras");
         EXPECT_EQ(cameras.size(), 2u * kFrames / kPictureEvery);

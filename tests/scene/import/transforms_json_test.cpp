@@ -111,6 +111,8 @@ TEST_F(TransformsJson, WhatAFrameLacksIsNamed) {
         expectRefused(root, "frame 1");
         root["frames"][1][key] = 7;
         expectRefused(root, key);
+        root["frames"][1][key] = "";
+        expectRefused(root, key);
     }
     for (const char* key : {"w", "h", "fl_x"}) {
         json root = manifestOf({frameNamed("a")});
