@@ -165,7 +165,8 @@ TEST_P(Warp, DepthIsTheMeasuredOneAtEveryOrderLevel) {
             for (int x = 0; x < 64; ++x) {
                 if (seen.pixelClass(x, y) == 0) continue;
                 ++drawn;
-                ASSERT_NEAR(seen.depthMetres(x, y), 2.f, 2.f * kKeyRounding + 2e-6f) << at(x, y) << " at level " << *level;
+                ASSERT_NEAR(seen.depthMetres(x, y), 2.f, 2.f * kKeyRounding + 2e-6f)
+                    << at(x, y) << " at level " << *level;
                 ASSERT_TRUE(seen.colour(x, y) == wall.colour(0, 0)) << at(x, y) << " at level " << *level;
             }
         EXPECT_GT(drawn, 1000) << "eye " << i;
