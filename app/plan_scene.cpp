@@ -31,7 +31,7 @@ nlohmann::json toJson(const glm::dvec3& p) {
     return {p.x, p.y, p.z};
 }
 
-void say(const scene::NextScanPlan& plan, const PlanOptions& options) {
+void print(const scene::NextScanPlan& plan, const PlanOptions& options) {
     if (plan.candidates == 0)
         std::printf("no place to stand was found: none with floor below it that was seen and %.1f m of space about it "
                     "that was seen empty\n",
@@ -90,7 +90,7 @@ void planScene(const PlanOptions& options) {
                               {"positions", positions}};
     writeWhole(picture, drawPlan(scene, plan, stood));
     writeWhole(options.out, file.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
-    say(plan, options);
+    print(plan, options);
     std::printf("%s and %s\n", options.out.string().c_str(), picture.filename().string().c_str());
 }
 

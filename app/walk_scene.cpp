@@ -55,7 +55,7 @@ bool hasDisplay() {
 
 /// The window in this thread, the walk in another: neither holds the other up.
 void walkBesideWindow(const scene::Scene& scene, WalkOptions options, xr::Window& window) {
-    const KeptSettings kept(input::settingsFile(), tell);
+    const KeptSettings kept(input::settingsFile(), say);
     options.settings = kept.read();
     Desk desk(Walk::knobsOf(options));
     xr::DesktopOptions desktopOptions;
@@ -92,7 +92,7 @@ void walkBesideWindow(const scene::Scene& scene, WalkOptions options, xr::Window
 
 void walkAlone(const scene::Scene& scene, WalkOptions options) {
     // Without a display nothing may depend on who runs it.
-    if (!options.isHeadless) options.settings = KeptSettings(input::settingsFile(), tell).read();
+    if (!options.isHeadless) options.settings = KeptSettings(input::settingsFile(), say).read();
     Walk(scene, options, nullptr).run();
 }
 
