@@ -20,7 +20,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr double kLivingRoomMeshFloor = 34, kLivingRoomPointsFloor = 33.2, kLivingRoomSeen = 0.97;
+constexpr double kLivingRoomMeshFloor = 34, kLivingRoomPointsFloor = 34, kLivingRoomSeen = 0.97;
 constexpr double kLivingRoomBestFloor = 34.2;
 constexpr double kShelfMeshFloor = 24.9; ///< real sensor: a third of its pixels have range, exposure changes
 constexpr double kShelfBestFloor = 27;
