@@ -30,7 +30,8 @@ void main()
     int invocations = int(gl_WorkGroupSize.x * gl_NumWorkGroups.x);
     for (int i = int(gl_GlobalInvocationID.x); i < count; i += invocations) {
         int x = int(holes[columns + i]);
-        uvec2 key = filled(ivec2(x, y), texelFetch(zTexels, row + x).xy, constants.fill);
+        uvec2 own = texelFetch(zTexels, row + x).xy, key = filled(ivec2(x, y), own, constants.fill);
+        if (key == own) continue; // resolve's colour, which may be interpolated, stays
         colours[row + x] = colourAndClassOf(key);
         depths[row + x] = depthOf(key);
     }

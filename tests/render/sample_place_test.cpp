@@ -103,6 +103,25 @@ TEST_F(Interpolation, IsThatOfTheProcessor) {
         }
 }
 
+TEST_F(Interpolation, WhatTheHoleFillerLeavesKeepsItsColour) {
+    Studio studio(roomInAllTiers());
+    for (const Warp warp : {Warp::points, Warp::splats}) {
+        Quality open = interpolating(warp, 1), filled = open;
+        open.leavesOutHidden = filled.leavesOutHidden = false;
+        filled.holes.radius = 4;
+        const scene::View eye{cameraOf(220, 160, 1.3), poseAt({0.3, 0.02, 0.9}, 0.1, 0.1)};
+        const EyeImage before = studio.draw(eye, open), after = studio.draw(eye, filled);
+        const double changed = shareOf(before, [&](int x, int y) {
+            return before.pixelClass(x, y) == after.pixelClass(x, y) &&
+                   before.depthMetres(x, y) == after.depthMetres(x, y) && before.colour(x, y) != after.colour(x, y);
+        });
+        EXPECT_EQ(changed, 0.0);
+        if (warp == Warp::points) {
+            EXPECT_NE(before.depthMetres, after.depthMetres) << "something was filled";
+        }
+    }
+}
+
 TEST_F(Interpolation, AnImageComesBackAtItsOwnCamera) {
     const scene::DepthImage image = roomFromThreePlaces()[0];
     Studio studio(cut({image}));

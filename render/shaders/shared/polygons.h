@@ -64,7 +64,7 @@ SHARED_FUNCTION uvec2 mergedEdge(uvec2 key, int samples, int before, float depth
     vec3 mean = isEmpty ? polygons / float(before) : (polygons + float(samples - before) * behind) / float(samples);
     uint colour = uint(mean.x + 0.5f) | (uint(mean.y + 0.5f) << 8) | (uint(mean.z + 0.5f) << 16);
     if (isPolygon) return packKey(depth / kPolygonNear, colour, kClassFilled);
-    return uvec2((colour << 8) | (key.x & 255u), key.y);
+    return uvec2((colour << 8) | (key.x & 255u), key.y & ~kPlaceMask); // no neighbour has a share of the mixture
 }
 
 SHARED_END
