@@ -79,14 +79,14 @@ inline std::uint64_t keyOf(float disparity, std::uint32_t colour, std::uint32_t 
     return std::uint64_t{orderBitsOf(disparity)} << 32 | (colour & 0xffffffu) << 8 | levelAndClass;
 }
 
-/// Of such a pixel of a point. What is infinitely far has no rim.
+/// Of a pixel that a point covers beside its own. What is infinitely far has no rim.
 inline std::uint64_t rimOf(float disparity, std::uint32_t colour, std::uint32_t levelAndClass) {
     const std::uint64_t key = keyOf(disparity * kRimShare, colour, levelAndClass);
     return key >> 32 != 0 ? key | std::uint64_t{1} << 32 : key;
 }
 
-/// Steps from a sample to where its pixel's centre is, along an axis, and how many of them make a pixel: a point's in
-/// its pixel and at its rim, a splat's.
+/// Steps from a pixel's centre to where its sample stands, along an axis, and how many of them make a pixel: a point's
+/// in its pixel and at its rim, a splat's.
 inline constexpr int kMostPlaceSteps = 2;
 inline constexpr float kPlaceStepsOfPoint = 4, kPlaceStepsOfRim = 2, kPlaceStepsOfSplat = 8.f / 3.f;
 
