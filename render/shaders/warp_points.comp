@@ -49,8 +49,7 @@ void main()
         float left = firstOfFootprint(seen.x, size), top = firstOfFootprint(seen.y, size);
         // Compared as floats: far outside, the conversion to int is undefined.
         if (IS_PLAIN != 0u) { // one pixel
-            if (left >= 0.0f && left < width && top >= 0.0f && top < height)
-            {
+            if (left >= 0.0f && left < width && top >= 0.0f && top < height) {
                 ivec2 own = ivec2(left, top);
                 drawPixel(own.y * constants.width + own.x,
                           keyWherePointStands(seen.z, vertex.y, levelAndClass, offsetOfPixel(own, seen.xy)));

@@ -1,7 +1,7 @@
 #ifndef RENDER_SHADERS_SHARED_SAMPLE_PLACE_H
 #define RENDER_SHADERS_SHARED_SAMPLE_PLACE_H
-// Where in its pixel the sample stands that a pixel of the z-buffer shows, to a quarter of a pixel, and the colour that
-// is made of it and of those beside, above and below: their mean, weighted by how near they stand to the pixel's
+// Where in its pixel the sample stands that a pixel of the z-buffer shows (see PlaceSteps: how finely), and the colour
+// that is made of it and of those beside, above and below: their mean, weighted by how near they stand to the pixel's
 // centre. This is offset reconstruction (Popescu, Eyles, Lastra, Steinhurst, England, Nyland: "The WarpEngine: An
 // Architecture for the Post-Polygonal Age", SIGGRAPH 2000): points and splats of one colour are seen where they stand,
 // and not up to half a pixel beside it. What stands behind is mixed with rims before it, as in a photograph, but not
