@@ -406,7 +406,7 @@ TEST_F(Extremes, NoJitterAlongAMillimetre) {
         const bool isSmooth = isOfSurfaces(way.quality.warp) || way.quality.isBlended;
         const bool isBetween = way.quality.interpolatesSamples;
         EXPECT_LE(glm::length(most - least), isSmooth    ? 0.03
-                                             : isBetween ? 0.2
+                                             : isBetween ? 0.16
                                                          : 0.3)
             << way.name << ": beside the mark's true path";
         EXPECT_LE(worstStep, isSmooth ? 0.012 : isBetween ? 0.07 : 0.15) << way.name << ": from picture to picture";
