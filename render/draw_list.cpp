@@ -65,12 +65,16 @@ std::uint32_t footprintOf(const glm::dmat4& c, const scene::SampleBox& box, cons
     return static_cast<std::uint32_t>(scene::footprintOf(c, box, scale, most));
 }
 
+/// Pixels. Where a surface slopes, points stand farther apart than they are wide; wider gaps than so leave cracks that
+/// are not closed afterwards.
+constexpr int kWidestSlopeStep = 3;
+
 /// Whether points or splats as wide as they may be leave gaps between samples that squares would close.
 bool isTooWideFor(Warp warp, const glm::dmat4& c, const scene::SampleBox& box, double steepness,
                   const Quality& quality) {
     if (warp == Warp::points)
         return scene::footprintOf(c, box, quality.footprintScale, quality.maxFootprint + 1) > quality.maxFootprint ||
-               scene::slopeStepInEye(c, box, steepness) > quality.maxFootprint;
+               scene::slopeStepInEye(c, box, steepness) > std::min(quality.maxFootprint, kWidestSlopeStep);
     if (warp != Warp::splats) return false;
     return scene::splatRadiusOf(c, box, quality.splatScale, quality.maxSplat + 1) >
                static_cast<float>(quality.maxSplat) ||

@@ -44,7 +44,8 @@ void recordClear(VkCommandBuffer commands, const EyeTarget& target, int width, i
     vkCmdFillBuffer(commands, target.holes.handle(), 0, kLargePartsHead * sizeof(std::uint32_t), 0);
 }
 
-/// Of what is interpolated; nothing if the picture is not.
+/// Of what is interpolated; nothing if the picture is not. Points that stand in for splats, while finer ones are read,
+/// count as standing half as far again from their pixels' centres: they are wider than that is.
 std::optional<PlaceSteps> placeStepsOf(const Quality& quality) {
     if (!quality.interpolatesSamples || quality.isBlended) return std::nullopt;
     if (quality.warp == Warp::points) return placeStepsOfPoints();
@@ -326,7 +327,14 @@ void Renderer::recordCommands(Eye& eye, const scene::View& view, const Quality& 
 
         if (!isStanding_) recordScene(commands, eye, view, quality, slot, index);
 
-        recordResolve(commands, resolve_, eyeSet, eye.warpWidth, eye.warpHeight, quality.holes, placeStepsOf(quality));
+        const std::optional<PlaceSteps> places = placeStepsOf(quality);
+        const Rescaling rescaling{eye.warpWidth, eye.warpHeight, picture_.width, picture_.height};
+        const bool keepsPlaces = places && eye.isScaled && rescaling.isEnlarging();
+        recordResolve(commands, resolve_, eyeSet, eye.warpWidth, eye.warpHeight, quality.holes,
+                      keepsPlaces ? PlaceUse::kept
+                      : places    ? PlaceUse::interpolated
+                                  : PlaceUse::none,
+                      places.value_or(PlaceSteps{}));
         if (quality.isBlended) {
             record(commands, kBetweenPictures);
             recordBlendResolve(commands, blend_, eyeSet, *eye.blend, slot, eye.warpWidth, eye.warpHeight);
@@ -345,8 +353,7 @@ void Renderer::recordCommands(Eye& eye, const scene::View& view, const Quality& 
 
         if (eye.isScaled) {
             record(commands, kBetweenPictures);
-            recordRescale(commands, rescale_, *eye.scaled, eye.warpWidth, eye.warpHeight, picture_.width,
-                          picture_.height);
+            recordRescale(commands, rescale_, *eye.scaled, rescaling, keepsPlaces ? places : std::nullopt);
             record(commands, kAfterResolve);
             timer.mark(commands, "rescale");
         }

@@ -164,8 +164,8 @@ std::optional<glm::dvec3> planeThrough(const Image<double>& disparities, const s
             residuals[i] = std::abs(glm::dot(n, rayOf(pixels[i])) - disparities(pixels[i].x, pixels[i].y));
         sorted = residuals;
         std::nth_element(sorted.begin(), sorted.begin() + sorted.size() / 2, sorted.end());
-        // Never below the grain of single precision.
-        const double reach = std::max(6 * sorted[sorted.size() / 2], 1e-7 * glm::length(n));
+        // Never below the grain of a key's disparity (orderBitsOf).
+        const double reach = std::max(6 * sorted[sorted.size() / 2], 4e-6 * glm::length(n));
         for (std::size_t i = 0; i < pixels.size(); ++i) {
             const double share = 1 - std::min(residuals[i] / reach, 1.0) * std::min(residuals[i] / reach, 1.0);
             weights[i] = share * share;

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cassert>
 #include <cmath>
 
 namespace render {
@@ -23,7 +24,12 @@ RescalePass makeRescalePass(const Device& device) {
     const std::uint32_t workgroupSize = device.workgroupSize(128);
     const std::array<VkDescriptorSetLayout, 1> sets{pass.layout};
     pass.any = makeComputePipeline(device, kRescaleCode, sets, sizeof(RescaleConstants), std::array{workgroupSize});
-    pass.enlarge = makeComputePipeline(device, kEnlargeCode, sets, sizeof(RescaleConstants), std::array{workgroupSize});
+    const auto enlarging = [&](std::uint32_t byPlaces) {
+        return makeComputePipeline(device, kEnlargeCode, sets, sizeof(RescaleConstants),
+                                   std::array{workgroupSize, byPlaces});
+    };
+    pass.enlarge = enlarging(0);
+    pass.enlargeByPlaces = enlarging(1);
     return pass;
 }
 
@@ -47,12 +53,15 @@ int scaledSide(int pixels, double scale) {
     return std::max(1, static_cast<int>(std::lround(pixels * scale)));
 }
 
-void recordRescale(VkCommandBuffer commands, const RescalePass& pass, const ScaledTarget& from, int fromWidth,
-                   int fromHeight, int toWidth, int toHeight) {
-    const RescaleConstants constants{static_cast<std::uint32_t>(fromWidth), static_cast<std::uint32_t>(fromHeight),
-                                     static_cast<std::uint32_t>(toWidth), static_cast<std::uint32_t>(toHeight)};
-    const bool isEnlarged = fromWidth <= toWidth && fromHeight <= toHeight;
-    const ComputePipeline& pipeline = isEnlarged ? pass.enlarge : pass.any;
+void recordRescale(VkCommandBuffer commands, const RescalePass& pass, const ScaledTarget& from, const Rescaling& sizes,
+                   const std::optional<PlaceSteps>& places) {
+    const RescaleConstants constants{static_cast<std::uint32_t>(sizes.fromWidth),
+                                     static_cast<std::uint32_t>(sizes.fromHeight),
+                                     static_cast<std::uint32_t>(sizes.toWidth),
+                                     static_cast<std::uint32_t>(sizes.toHeight), places.value_or(PlaceSteps{})};
+    const bool isEnlarged = sizes.isEnlarging();
+    assert(isEnlarged || !places);
+    const ComputePipeline& pipeline = !isEnlarged ? pass.any : places ? pass.enlargeByPlaces : pass.enlarge;
     const VkPipelineLayout layout = pipeline.layout;
     vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline.pipeline);
     vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, layout, 0, 1, &from.set, 0, nullptr);

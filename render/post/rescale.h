@@ -3,13 +3,18 @@
 // (supersampling; Quality::resolutionScale). shaders/shared/rescale.h says how one becomes the other.
 
 #include "render/pipeline.h"
+#include "render/shaders/shared/sample_place.h"
 #include "render/target.h"
+
+#include <optional>
 
 namespace render {
 
 struct RescalePass {
     VkDescriptorSetLayout layout = VK_NULL_HANDLE; ///< 0 and 1 colours and depths as warped, 2 and 3 the eye's
-    ComputePipeline any, enlarge; ///< enlarge: to a picture that is nowhere smaller, as any does it, but faster
+    ComputePipeline any;
+    /// To a picture that is nowhere smaller, as any does it, but faster; and by the places of the old pixels' samples.
+    ComputePipeline enlarge, enlargeByPlaces;
 };
 
 RescalePass makeRescalePass(const Device& device);
@@ -31,8 +36,13 @@ ScaledTarget makeScaledTarget(const Device& device, const RescalePass& pass, VkD
 /// Pixels along a side of `pixels` at that scale; at least one.
 int scaledSide(int pixels, double scale);
 
-/// After the scaled picture was resolved.
-void recordRescale(VkCommandBuffer commands, const RescalePass& pass, const ScaledTarget& from, int fromWidth,
-                   int fromHeight, int toWidth, int toHeight);
+struct Rescaling {
+    int fromWidth = 0, fromHeight = 0, toWidth = 0, toHeight = 0; ///< pixels
+    bool isEnlarging() const { return fromWidth <= toWidth && fromHeight <= toHeight; }
+};
+
+/// After the scaled picture was resolved. places: of the samples, where the picture is enlarged and keeps them.
+void recordRescale(VkCommandBuffer commands, const RescalePass& pass, const ScaledTarget& from, const Rescaling& sizes,
+                   const std::optional<PlaceSteps>& places);
 
 } // namespace render

@@ -58,10 +58,10 @@ ResolvePass makeResolvePass(const Device& device, VkDescriptorSetLayout eyeLayou
 }
 
 void recordResolve(VkCommandBuffer commands, const ResolvePass& pass, VkDescriptorSet eyeSet, int width, int height,
-                   const HoleFill& holes, const std::optional<PlaceSteps>& places) {
+                   const HoleFill& holes, PlaceUse use, const PlaceSteps& places) {
     assert(holes.radius <= kMostHoleRadius);
-    const ResolveConstants constants{width, height, holes, places.value_or(PlaceSteps{})};
-    const std::size_t how = places ? 1 : 0;
+    const ResolveConstants constants{width, height, holes, use == PlaceUse::none ? PlaceSteps{} : places};
+    const std::size_t how = use == PlaceUse::interpolated ? 1 : 0;
     const std::uint32_t groups = pass.isByRows ? 1 : groupsOf(width, kResolvedTogether);
     if (holes.radius <= 0) {
         dispatch(commands, pass.plain.at(how), eyeSet, constants, groups);

@@ -6,7 +6,6 @@
 #include "render/shaders/shared/hole_fill.h"
 
 #include <array>
-#include <optional>
 
 namespace render {
 
@@ -21,9 +20,12 @@ struct ResolvePass {
 
 ResolvePass makeResolvePass(const Device& device, VkDescriptorSetLayout eyeLayout);
 
-/// From the z-buffer of eyeSet to its colours and depths. A radius of 0 fills nothing and costs nothing. Colours are
-/// interpolated between samples if their places' steps are given.
+/// What becomes of the places of samples: nothing, colours interpolated by them, or kept in the picture by who
+/// enlarges it (placeKept).
+enum class PlaceUse { none, interpolated, kept };
+
+/// From the z-buffer of eyeSet to its colours and depths. A radius of 0 fills nothing and costs nothing.
 void recordResolve(VkCommandBuffer commands, const ResolvePass& pass, VkDescriptorSet eyeSet, int width, int height,
-                   const HoleFill& holes, const std::optional<PlaceSteps>& places);
+                   const HoleFill& holes, PlaceUse use, const PlaceSteps& places);
 
 } // namespace render

@@ -1,11 +1,12 @@
 #version 460
 // What rescale.comp makes of a picture that is no larger than the eye's: each pixel lies between two old ones along each
-// axis. A workgroup makes a band of rows, so that where a column lies is worked out once for all of them.
+// axis, or between their samples. A workgroup makes a band of rows, so that where a column lies is worked out once for all of them.
 #extension GL_GOOGLE_include_directive : require
 
 #include "render/shaders/shared/rescale.h"
 
 layout(local_size_x_id = 0) in;
+layout(constant_id = 1) const bool BY_PLACES = false;
 
 layout(set = 0, binding = 0) uniform usamplerBuffer fromColours;
 layout(set = 0, binding = 1) uniform samplerBuffer fromDepths;
@@ -18,6 +19,44 @@ uint colourAt(uint place)
     return texelFetch(fromColours, int(place)).x;
 }
 
+ColourSum withPixel(ColourSum sum, uint pixel, uint weight, uint kind)
+{
+    return addColour(sum, pixel, kindOf(pixel) == kind ? weight : 0u);
+}
+
+/// Of the four old pixels that the new one's centre lies between, by their centres.
+ColourSum sumByCentres(Between row, Between column, uint kind)
+{
+    uint fromWidth = constants.fromWidth, above = row.first * fromWidth, below = row.last * fromWidth;
+    uint aboveWeight = kWholeWeight - row.lastWeight, leftWeight = kWholeWeight - column.lastWeight;
+    ColourSum sum = ColourSum(0u, 0u, 0u, 0u);
+    sum = withPixel(sum, colourAt(above + column.first), aboveWeight * leftWeight, kind);
+    sum = withPixel(sum, colourAt(above + column.last), aboveWeight * column.lastWeight, kind);
+    sum = withPixel(sum, colourAt(below + column.first), row.lastWeight * leftWeight, kind);
+    return withPixel(sum, colourAt(below + column.last), row.lastWeight * column.lastWeight, kind);
+}
+
+/// Of the nearest one and of those three that the new one's centre lies between, by where their samples are.
+uint colourByPlaces(Between row, Between column, uvec2 at, uint nearest, uint kind)
+{
+    PlaceSteps places = constants.places;
+    ivec2 centre = ivec2(nearestCentre(column), nearestCentre(row));
+    FourSamples samples;
+    samples.own = sampleFrom(centre, placeInPixel(nearest, places));
+    ivec2 way = wayAcross(samples.own), step = kPerPixel * way;
+    uint x = uint(clamp(int(at.x) + way.x, 0, int(constants.fromWidth) - 1));
+    uint y = uint(clamp(int(at.y) + way.y, 0, int(constants.fromHeight) - 1));
+    uint ownRow = at.y * constants.fromWidth, otherRow = y * constants.fromWidth;
+    uint beside = colourAt(ownRow + x), over = colourAt(otherRow + at.x), across = colourAt(otherRow + x);
+    samples.beside = sampleFrom(centre + ivec2(step.x, 0), placeInPixel(beside, places));
+    samples.over = sampleFrom(centre + ivec2(0, step.y), placeInPixel(over, places));
+    samples.across = sampleFrom(centre + step, placeInPixel(across, places));
+    samples.takesBeside = kindOf(beside) == kind;
+    samples.takesOver = kindOf(over) == kind;
+    samples.takesAcross = kindOf(across) == kind;
+    return mixed(samples, nearest, beside, over, across);
+}
+
 void main()
 {
     uint fromWidth = constants.fromWidth, width = constants.toWidth;
@@ -27,23 +66,12 @@ void main()
         Between column = betweenOf(x, fromWidth, width);
         for (uint y = firstRow; y < endRow; ++y) {
             Between row = betweenOf(y, constants.fromHeight, constants.toHeight);
-            uint above = row.first * fromWidth, below = row.last * fromWidth;
-            uvec4 pixels = uvec4(colourAt(above + column.first), colourAt(above + column.last),
-                                 colourAt(below + column.first), colourAt(below + column.last));
-            uvec2 inRow = row.isNearLast != 0u ? pixels.zw : pixels.xy;
-            uint nearest = column.isNearLast != 0u ? inRow.y : inRow.x, kind = kindOf(nearest);
-            uint aboveWeight = kWholeWeight - row.lastWeight, leftWeight = kWholeWeight - column.lastWeight;
-            uvec4 weights = uvec4(aboveWeight * leftWeight, aboveWeight * column.lastWeight, row.lastWeight * leftWeight,
-                                  row.lastWeight * column.lastWeight);
-            ColourSum sum = ColourSum(0u, 0u, 0u, 0u);
-            sum = addColour(sum, pixels.x, kindOf(pixels.x) == kind ? weights.x : 0u);
-            sum = addColour(sum, pixels.y, kindOf(pixels.y) == kind ? weights.y : 0u);
-            sum = addColour(sum, pixels.z, kindOf(pixels.z) == kind ? weights.z : 0u);
-            sum = addColour(sum, pixels.w, kindOf(pixels.w) == kind ? weights.w : 0u);
-            uint place = y * width + x;
-            colours[place] = meanColour(sum, nearest);
-            uint nearestPlace =
-                (row.isNearLast != 0u ? below : above) + (column.isNearLast != 0u ? column.last : column.first);
+            uvec2 at = uvec2(column.isNearLast != 0u ? column.last : column.first,
+                             row.isNearLast != 0u ? row.last : row.first);
+            uint place = y * width + x, nearestPlace = at.y * fromWidth + at.x;
+            uint nearest = colourAt(nearestPlace), kind = kindOf(nearest);
+            colours[place] = BY_PLACES ? colourByPlaces(row, column, at, nearest, kind)
+                                       : meanColour(sumByCentres(row, column, kind), nearest);
             depths[place] = texelFetch(fromDepths, int(nearestPlace)).x;
         }
     }

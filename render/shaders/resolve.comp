@@ -2,15 +2,15 @@
 // The z-buffer becomes an ordinary picture: colour with its class in the last byte, and depth in metres along z. Which
 // pixels hold anything, and which may be seen through a crack, is told by a bit each on the way, for the hole filler
 // (list_holes.comp, fill_holes.comp); and no holes are on any row's list yet. Colours may be interpolated between samples
-// (sample_place.h).
+// (between_samples.h).
 //
 // On a graphics card an invocation resolves a pixel: neighbours read and write what stands beside one another. On a
 // processor it resolves 32, a word of bits, one after the other, and keeps the one to the left.
 #extension GL_GOOGLE_include_directive : require
 
+#include "render/shaders/shared/between_samples.h"
 #include "render/shaders/shared/hole_fill.h"
 #include "render/shaders/shared/hole_words.h"
-#include "render/shaders/shared/sample_place.h"
 #include "render/shaders/shared/z_key.h"
 
 layout(local_size_x_id = 0) in;
@@ -33,14 +33,18 @@ uvec2 keyAt(int x, int y)
     return isInside ? texelFetch(zTexels, y * constants.width + x).xy : uvec2(0u);
 }
 
-PlacedSample placed(uvec2 key)
+/// What a pixel shows: r | g << 8 | b << 16 | class << 24. left, right: the keys beside it.
+uint colourOf(int x, int y, uvec2 own, uvec2 left, uvec2 right)
 {
-    return placedSampleOf(key, constants.places);
+    if (!INTERPOLATES) return colourAndClassOf(own) | (constants.places.own == 0 ? 0u : placeKept(own));
+    ivec2 way = wayAcross(placeOf(own, constants.places));
+    uvec2 beside = way.x < 0 ? left : right, over = keyAt(x, y + way.y), across = keyAt(x + way.x, y + way.y);
+    return interpolatedColour(own, beside, over, across, way, constants.places);
 }
 
 void put(int x, int y, uvec2 key, uint colour)
 {
-    colours[y * constants.width + x] = isHole(key) ? 0u : colour | ((key.x & 3u) << 24);
+    colours[y * constants.width + x] = isHole(key) ? 0u : colour;
     depths[y * constants.width + x] = depthOf(key);
 }
 
@@ -55,21 +59,13 @@ void resolveWord(int word, int y)
     int first = word * kHoleWordBits, pixels = min(kHoleWordBits, constants.width - first);
     uint held = 0u, cracks = 0u;
     uvec2 left = keyAt(first - 1, y), own = keyAt(first, y);
-    PlacedSample placedLeft, placedOwn;
-    if (INTERPOLATES) placedLeft = placed(left), placedOwn = placed(own);
     for (int i = 0; i < pixels; ++i) {
         int x = first + i;
-        uvec2 right = keyAt(x + 1, y), above = keyAt(x, y - 1);
-        uint colour = own.x >> 8;
-        if (INTERPOLATES) {
-            PlacedSample placedRight = placed(right);
-            colour = interpolatedColour(placedOwn, placedLeft, placedRight, placed(above), placed(keyAt(x, y + 1)));
-            placedLeft = placedOwn, placedOwn = placedRight;
-        }
-        put(x, y, own, colour);
+        uvec2 right = keyAt(x + 1, y);
+        put(x, y, own, colourOf(x, y, own, left, right));
         if (MARKS_HOLES) {
             held |= isHole(own) ? 0u : 1u << i;
-            cracks |= isPinhole(own, left, above, constants.fill) ? 1u << i : 0u;
+            cracks |= isPinhole(own, left, keyAt(x, y - 1), constants.fill) ? 1u << i : 0u;
         }
         left = own, own = right;
     }
@@ -84,16 +80,11 @@ void resolvePixel(int x, int y, uint lane)
         barrier();
     }
     if (x < constants.width) {
-        uvec2 own = keyAt(x, y);
-        uint colour = own.x >> 8;
-        if (INTERPOLATES)
-            colour = interpolatedColour(placed(own), placed(keyAt(x - 1, y)), placed(keyAt(x + 1, y)),
-                                        placed(keyAt(x, y - 1)), placed(keyAt(x, y + 1)));
-        put(x, y, own, colour);
+        uvec2 own = keyAt(x, y), left = keyAt(x - 1, y);
+        put(x, y, own, colourOf(x, y, own, left, keyAt(x + 1, y)));
         // Few are: most invocations have nothing to say.
         if (MARKS_HOLES && isHole(own)) atomicOr(empty[word], bit);
-        if (MARKS_HOLES && isPinhole(own, keyAt(x - 1, y), keyAt(x, y - 1), constants.fill))
-            atomicOr(pinholes[word], bit);
+        if (MARKS_HOLES && isPinhole(own, left, keyAt(x, y - 1), constants.fill)) atomicOr(pinholes[word], bit);
     }
     if (MARKS_HOLES) {
         barrier();

@@ -22,7 +22,7 @@ uvec2 pixelOf(uint k) { return gl_WorkGroupID.xy * kBeamPixels + uvec2(k % kBeam
 
 bool isInPicture(uvec2 at) { return at.x < uint(constants.perX.w) && at.y < uint(constants.perY.w); }
 
-float endAt(uint i) { return unseenEnd(constants, colours[i] >> 24, depths[i]); }
+float endAt(uint i) { return unseenEnd(constants, classOfPixel(colours[i]), depths[i]); }
 
 // A workgroup draws a block of pixels, whose rays go together where space is open for all of them.
 void main()

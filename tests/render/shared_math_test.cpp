@@ -1,4 +1,5 @@
 #include "render/draw_list.h"
+#include "render/shaders/shared/sample_place.h"
 #include "render/shaders/shared/tile_draw.h"
 #include "render/shaders/shared/triangle.h"
 #include "render/shaders/shared/z_key.h"
@@ -14,7 +15,15 @@
 namespace render {
 namespace {
 
-static_assert(kRimShare == scene::kRimShare, "points of processor and device have one rim");
+static_assert(kRimShare == scene::kRimShare && kNotDisparity == scene::kNotDisparity,
+              "keys of processor and device are alike");
+static_assert(kMostPlaceSteps == scene::kMostPlaceSteps);
+
+TEST(SamplePlace, StepsAreThoseOfTheProcessor) {
+    EXPECT_EQ(perPixelOf(placeStepsOfPoints().own), scene::kPlaceStepsOfPoint);
+    EXPECT_EQ(perPixelOf(placeStepsOfPoints().rim), scene::kPlaceStepsOfRim);
+    EXPECT_EQ(perPixelOf(placeStepsOfSplats().own), scene::kPlaceStepsOfSplat);
+}
 
 std::uint32_t placeOf(std::uint32_t x, std::uint32_t y, std::uint32_t q) {
     return x | y << 6 | q << 12;

@@ -68,6 +68,11 @@ std::vector<Way> waysInOnePass() {
         all.back().quality.holes.radius = 4;
         all.push_back({name + ", larger, hidden ones, too", plain});
         all.back().quality.resolutionScale = 1.5, all.back().quality.leavesOutHidden = false;
+        all.push_back({name + ", interpolated", plain});
+        all.back().quality.interpolatesSamples = true;
+        all.push_back({name + ", interpolated, smaller, filled", plain});
+        all.back().quality.interpolatesSamples = true, all.back().quality.holes.radius = 4;
+        all.back().quality.resolutionScale = 0.7;
         all.push_back({name + ", blended", plain});
         all.back().quality.isBlended = true;
     }

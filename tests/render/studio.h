@@ -60,6 +60,9 @@ testing::AssertionResult isSane(const EyeImage& image);
 /// The z-buffer's picture with colours interpolated between samples, by the code that shaders share.
 scene::EyeImage interpolated(const scene::ZBuffer& zBuffer, const PlaceSteps& places);
 
+/// The same enlarged to width x height pixels by the places of its samples.
+scene::EyeImage enlargedByPlaces(const scene::ZBuffer& zBuffer, const PlaceSteps& places, int width, int height);
+
 /// Over all pixels, whatever their class; dB.
 double psnrOf(const EyeImage& a, const EyeImage& b);
 

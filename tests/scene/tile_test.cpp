@@ -84,10 +84,10 @@ Place placeInImage(const Tile& tile, const TileVertex& vertex) {
     return {tile.x0 + static_cast<int>(place.x), tile.y0 + static_cast<int>(place.y)};
 }
 
-/// The triangles that a renderer draws.
-std::multiset<Triangle> trianglesOf(const TileSet& set) {
+/// The triangles that a renderer draws of these tiles of the set.
+std::multiset<Triangle> trianglesOf(const TileSet& set, std::span<const Tile> tiles) {
     std::multiset<Triangle> triangles;
-    for (const Tile& tile : set.tiles)
+    for (const Tile& tile : tiles)
         for (std::uint32_t i = 0; i < tile.quadCount; ++i) {
             const TileQuad& quad = set.quads.at(tile.firstQuad + i);
             const auto at = [&](std::uint32_t index) {
@@ -101,6 +101,10 @@ std::multiset<Triangle> trianglesOf(const TileSet& set) {
             if ((quad.bottom & kDrawLower) != 0) triangles.insert({p10, p11, p01});
         }
     return triangles;
+}
+
+std::multiset<Triangle> trianglesOf(const TileSet& set) {
+    return trianglesOf(set, set.tiles);
 }
 
 void expectTilesFollowEachOther(const TileSet& set) {
@@ -156,9 +160,7 @@ void expectTiersByThemselves(const DepthImage& image, const TileSet& set) {
     for (const Tile& tile : set.tiles) {
         for (std::uint32_t i = 0; i < tile.pointCount; ++i)
             EXPECT_EQ(tierAt(placeInImage(tile, set.vertices[tile.firstVertex + i])), tile.tier);
-        TileSet alone{
-            .tiles = {tile}, .coarser = {}, .vertices = set.vertices, .quads = set.quads, .facets = {}, .texels = {}};
-        for (const Triangle& triangle : trianglesOf(alone))
+        for (const Triangle& triangle : trianglesOf(set, {&tile, 1}))
             EXPECT_EQ(tierOf(triangle), tile.tier);
     }
 }

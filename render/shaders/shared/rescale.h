@@ -5,26 +5,24 @@
 // two pixels about its centre, to a smaller one by the shares of its own width that they cover (a box filter, which is
 // what supersampling wants).
 //
+// To a larger picture it may also be linear between the samples that the old pixels show, where those stand
+// (between_samples.h), and not between the pixels' centres.
+//
 // New sizes up to 16384 and at most 4 old pixels along a new one: no sum leaves 32 bits.
 
+#include "render/shaders/shared/between_samples.h"
 #include "render/shaders/shared/language.h"
+#include "render/shaders/shared/sample_place.h"
 
 SHARED_BEGIN
 
 struct RescaleConstants {
     uint fromWidth, fromHeight;
     uint toWidth, toHeight;
+    PlaceSteps places; ///< of the samples in the old picture, where its pixels tell them
 };
 
 SHARED_CONSTANT uint kWholeWeight = 256u;
-
-/// n / d, exactly, for quotients below 2^20: devices without whole-number division in their vectors (processors) take
-/// a reciprocal, which is off by less than one, and put it right.
-SHARED_FUNCTION uint quotient(uint n, uint d) {
-    uint q = uint(float(n) / float(d));
-    int rest = int(n - q * d);
-    return rest < 0 ? q - 1u : (rest >= int(d) ? q + 1u : q);
-}
 
 /// The old pixel in which the new one's centre lies.
 SHARED_FUNCTION uint nearestPixel(uint i, uint from, uint to) {
@@ -81,30 +79,17 @@ SHARED_FUNCTION Between betweenOf(uint i, uint from, uint to) {
 /// Rows of the new picture that one workgroup makes where to >= from.
 SHARED_CONSTANT uint kEnlargedRows = 8u;
 
+/// From the new pixel's centre to that of the nearest old one along an axis, in 1 / kPerPixel of an old pixel.
+SHARED_FUNCTION int nearestCentre(Between between) {
+    int whole = int(kWholeWeight), weight = int(between.lastWeight);
+    return ((between.isNearLast != 0u ? whole : 0) - weight) / (whole / kPerPixel);
+}
+
 /// Colours of which kinds may be mixed: what was measured with what was filled in, and nothing else. pixel: r | g << 8
-/// | b << 16 | class << 24.
+/// | b << 16 | class << 24, and perhaps the sample's place above.
 SHARED_FUNCTION uint kindOf(uint pixel) {
-    uint pixelClass = pixel >> 24;
+    uint pixelClass = classOfPixel(pixel);
     return pixelClass == 2u ? 1u : pixelClass;
-}
-
-/// Weighted colours of one kind.
-struct ColourSum {
-    uint r, g, b, weight;
-};
-SHARED_FUNCTION ColourSum addColour(ColourSum sum, uint pixel, uint weight) {
-    sum.r += (pixel & 0xffu) * weight;
-    sum.g += ((pixel >> 8) & 0xffu) * weight;
-    sum.b += ((pixel >> 16) & 0xffu) * weight;
-    sum.weight += weight;
-    return sum;
-}
-
-/// The mean, rounded, with the class of the nearest pixel.
-SHARED_FUNCTION uint meanColour(ColourSum sum, uint nearest) {
-    uint rounding = sum.weight / 2u;
-    return quotient(sum.r + rounding, sum.weight) | (quotient(sum.g + rounding, sum.weight) << 8) |
-           (quotient(sum.b + rounding, sum.weight) << 16) | (nearest & 0xff000000u);
 }
 
 SHARED_END

@@ -1,12 +1,7 @@
 #ifndef RENDER_SHADERS_SHARED_SAMPLE_PLACE_H
 #define RENDER_SHADERS_SHARED_SAMPLE_PLACE_H
-// Where in its pixel the sample stands that a pixel of the z-buffer shows (see PlaceSteps: how finely), and the colour
-// that is made of it and of those beside, above and below: their mean, weighted by how near they stand to the pixel's
-// centre. This is offset reconstruction (Popescu, Eyles, Lastra, Steinhurst, England, Nyland: "The WarpEngine: An
-// Architecture for the Post-Polygonal Age", SIGGRAPH 2000): points and splats of one colour are seen where they stand,
-// and not up to half a pixel beside it. What stands behind is mixed with rims before it, as in a photograph, but not
-// these with it: it may be seen through a crack. Class and depth are those of the pixel's own sample, and what was
-// measured is mixed with nothing else.
+// Where in its pixel the sample stands that a pixel of the z-buffer shows (see PlaceSteps: how finely): keys tell, and
+// so may pictures that are yet to be enlarged. between_samples.h makes colours of it.
 
 #include "render/shaders/shared/language.h"
 #include "render/shaders/shared/z_key.h"
@@ -72,86 +67,12 @@ SHARED_FUNCTION ivec2 placeOf(uvec2 key, PlaceSteps steps) {
     return ivec2((x > kMostPlaceSteps ? x - 5 : x) * step, (y > kMostPlaceSteps ? y - 5 : y) * step);
 }
 
-/// What has less than this share of a pixel's disparity may be seen through a crack beside it (HoleFill::pinholeDepth).
-SHARED_CONSTANT float kLeastMixed = 0.95f;
-
-/// What a pixel shows, ready to be mixed with its neighbours.
-struct PlacedSample {
-    uint pixelClass;
-    float nearness; ///< 63 times the eye's disparity, 1/m
-    vec2 place;     ///< from the pixel's centre to the sample, pixels
-    vec3 colour;    ///< r, g, b, 0 to 255
-};
-
-SHARED_FUNCTION PlacedSample placedSampleOf(uvec2 key, PlaceSteps steps) {
-    ivec2 place = placeOf(key, steps);
-    PlacedSample placed;
-    placed.pixelClass = key.x & 3u;
-    PRECISE float ofLevel = uintBitsToFloat(key.y & ~kNotDisparity) * float(63 + int((key.x >> 2) & 63u));
-    PRECISE float ofRim = ofLevel * kPerRimShare;
-    placed.nearness = (key.y & 1u) != 0u ? ofRim : ofLevel;
-    placed.place = vec2(float(place.x), float(place.y)) * (1.0f / float(kEighths));
-    placed.colour = vec3(float(int((key.x >> 8) & 255u)), float(int((key.x >> 16) & 255u)), float(int(key.x >> 24)));
-    return placed;
+/// Where a picture is yet to be enlarged, its pixels keep their samples' places in the bits above their class.
+SHARED_FUNCTION uint placeKept(uvec2 key) {
+    return (key.y & kNotDisparity) << kPlaceShift;
 }
-
-/// Weighted colours of some samples. Weights are whole 64ths, so that sums are exact, whatever their order.
-struct PlacedSum {
-    vec3 colour;
-    float weight;
-};
-
-/// Shares fall off linearly along both axes, from 1 at a pixel's centre to 0 at the next one's.
-SHARED_FUNCTION float shareOfPixel(vec2 place) {
-    return (1.0f - abs(place.x)) * (1.0f - abs(place.y));
-}
-SHARED_FUNCTION float shareOfLeft(vec2 place) {
-    return max(-place.x, 0.0f) * (1.0f - abs(place.y));
-}
-SHARED_FUNCTION float shareOfRight(vec2 place) {
-    return max(place.x, 0.0f) * (1.0f - abs(place.y));
-}
-SHARED_FUNCTION float shareOfAbove(vec2 place) {
-    return max(-place.y, 0.0f) * (1.0f - abs(place.x));
-}
-SHARED_FUNCTION float shareOfBelow(vec2 place) {
-    return max(place.y, 0.0f) * (1.0f - abs(place.x));
-}
-
-/// Of the pixel's own sample alone. It may stand so far from the centre as to have no share: it has the least.
-SHARED_FUNCTION PlacedSum sumOf(PlacedSample own) {
-    PlacedSum sum;
-    sum.weight = shareOfPixel(own.place) + 1.0f / 64.0f;
-    sum.colour = own.colour * sum.weight;
-    return sum;
-}
-
-/// With a sample that has a share of the pixel that shows own; what is of another class or stands behind has none.
-SHARED_FUNCTION PlacedSum withSample(PlacedSum sum, PlacedSample placed, float share, PlacedSample own) {
-    PRECISE float farthest = own.nearness * kLeastMixed;
-    float weight = placed.pixelClass == own.pixelClass && placed.nearness >= farthest ? share : 0.0f;
-    sum.colour += weight * placed.colour;
-    sum.weight += weight;
-    return sum;
-}
-
-/// r | g << 8 | b << 16, rounded.
-SHARED_FUNCTION uint meanOf(PlacedSum sum) {
-    PRECISE float perWeight = 1.0f / sum.weight;
-    PRECISE vec3 mean = sum.colour * perWeight + vec3(0.5f, 0.5f, 0.5f);
-    return uint(int(mean.x)) | (uint(int(mean.y)) << 8) | (uint(int(mean.z)) << 16);
-}
-
-/// What the samples about a pixel's centre make of it: of the one it shows and of those that are shown to its left and
-/// right, above and below. r | g << 8 | b << 16.
-SHARED_FUNCTION uint interpolatedColour(PlacedSample own, PlacedSample left, PlacedSample right, PlacedSample above,
-                                        PlacedSample below) {
-    PlacedSum sum = sumOf(own);
-    sum = withSample(sum, left, shareOfRight(left.place), own);
-    sum = withSample(sum, right, shareOfLeft(right.place), own);
-    sum = withSample(sum, above, shareOfBelow(above.place), own);
-    sum = withSample(sum, below, shareOfAbove(below.place), own);
-    return meanOf(sum);
+SHARED_FUNCTION ivec2 placeInPixel(uint pixel, PlaceSteps steps) {
+    return placeOf(uvec2(0u, pixel >> kPlaceShift), steps);
 }
 
 SHARED_END

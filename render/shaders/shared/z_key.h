@@ -54,9 +54,14 @@ SHARED_FUNCTION uvec2 withPlace(uvec2 key, uint place) {
     return uvec2(key.x, key.y != 0u ? key.y | (place << 1) : 0u);
 }
 
-/// r | g << 8 | b << 16 | class << 24: what resolve writes.
+/// r | g << 8 | b << 16 | class << 24: what resolve writes. What stands above the class until a picture is enlarged is
+/// the sample's place (placeKept).
 SHARED_FUNCTION uint colourAndClassOf(uvec2 key) {
     return (key.x >> 8) | ((key.x & 3u) << 24);
+}
+SHARED_CONSTANT uint kPlaceShift = 26u; ///< above the class
+SHARED_FUNCTION uint classOfPixel(uint colourAndClass) {
+    return (colourAndClass >> 24) & 3u;
 }
 
 /// The eye's disparity, 1/m: the order's with its level taken back.
