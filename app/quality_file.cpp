@@ -166,8 +166,8 @@ std::vector<Knob> makeKnobs() {
             {0.65, 1.0, 1.25}, [](auto& q) -> auto& { return q.footprintScale; }, "points"),
         yesOrNo(
             "interpolate_samples",
-            "points and splats: a pixel is the mean of its sample and those about it, by where in their pixels they "
-            "stand; smoother and truer than its own alone",
+            "points and splats: a pixel is made of the four samples that it lies between, by where they stand; "
+            "smoother and truer than its own alone",
             {false}, [](auto& q) -> auto& { return q.interpolatesSamples; }),
         yesOrNo(
             "squares_near",

@@ -31,15 +31,15 @@ struct Quality {
     int maxSplat = 4;
     double splatScale = 1.0;
 
-    /// Points and splats: a pixel is the mean of the sample that it shows and of those beside, above and below, by how
-    /// near they stand to its centre (shaders/shared/sample_place.h). Off unless asked for, as the preference is: then
-    /// it has the colour of its own.
+    /// Points and splats: a pixel is made of the four samples that its centre lies between, by where they stand
+    /// (shaders/shared/between_samples.h). Off unless asked for, as the preference is: then it has the colour of its
+    /// own.
     bool interpolatesSamples = false;
 
     /// Points and splats: where a tile's samples are seen farther apart than maxFootprint, or 2 maxSplat, or may be
-    /// since its surface slopes, the mesh's squares are drawn, and of the samples only those that are in none. Else
-    /// gaps open in walls right before the eye and in what was scanned at a glance, and unseen space is shown through
-    /// them.
+    /// since its surface slopes (points: three pixels are enough), the mesh's squares are drawn, and of the samples
+    /// only those that are in none. Else gaps open in walls right before the eye and in what was scanned at a glance,
+    /// and unseen space is shown through them.
     bool drawsSquaresNear = false;
 
     /// The mesh, adaptive or not: samples that are in none of its squares are drawn as points.
