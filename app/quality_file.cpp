@@ -171,8 +171,9 @@ std::vector<Knob> makeKnobs() {
             {false}, [](auto& q) -> auto& { return q.interpolatesSamples; }),
         yesOrNo(
             "squares_near",
-            "points and splats: where samples are seen farther apart than max_footprint, squares between them are "
-            "drawn instead",
+            "points and splats: where samples are seen farther apart than max_footprint, or 3 pixels since their "
+            "surface "
+            "slopes, squares between them are drawn instead",
             {false}, [](auto& q) -> auto& { return q.drawsSquaresNear; }),
         yesOrNo(
             "lone_samples", "the mesh, adaptive or not: samples that are in none of its squares are drawn as points",

@@ -20,8 +20,8 @@ struct ResolvePass {
 
 ResolvePass makeResolvePass(const Device& device, VkDescriptorSetLayout eyeLayout);
 
-/// What becomes of the places of samples: nothing, colours interpolated by them, or kept in the picture by who
-/// enlarges it (placeKept).
+/// What becomes of the places of samples: nothing, colours are interpolated by them, or they are kept in the picture
+/// for whoever enlarges it (placeKept).
 enum class PlaceUse { none, interpolated, kept };
 
 /// From the z-buffer of eyeSet to its colours and depths. A radius of 0 fills nothing and costs nothing.

@@ -1,6 +1,7 @@
 #version 460
 // What rescale.comp makes of a picture that is no larger than the eye's: each pixel lies between two old ones along each
-// axis, or between their samples. A workgroup makes a band of rows, so that where a column lies is worked out once for all of them.
+// axis, or between their samples. A workgroup makes a band of rows, so that where a column lies is worked out once for
+// all of them.
 #extension GL_GOOGLE_include_directive : require
 
 #include "render/shaders/shared/rescale.h"
@@ -36,21 +37,22 @@ ColourSum sumByCentres(Between row, Between column, uint kind)
     return withPixel(sum, colourAt(below + column.last), row.lastWeight * column.lastWeight, kind);
 }
 
-/// Of the nearest one and of those three that the new one's centre lies between, by where their samples are.
-uint colourByPlaces(Between row, Between column, uvec2 at, uint nearest, uint kind)
+/// Of the nearest one and of those three that the new one's centre lies between, by where their samples are. As by
+/// centres, silhouettes are mixed with what stands behind them, since old pixels are large, and what is filled with what
+/// was measured. centre: from the new one's.
+uint colourByPlaces(uvec2 at, ivec2 centre, uint nearest, uint kind)
 {
     PlaceSteps places = constants.places;
-    ivec2 centre = ivec2(nearestCentre(column), nearestCentre(row));
     FourSamples samples;
     samples.own = sampleFrom(centre, placeInPixel(nearest, places));
-    ivec2 way = wayAcross(samples.own), step = kPerPixel * way;
+    ivec2 way = wayAcross(samples.own), side = kPerPixel * way;
     uint x = uint(clamp(int(at.x) + way.x, 0, int(constants.fromWidth) - 1));
     uint y = uint(clamp(int(at.y) + way.y, 0, int(constants.fromHeight) - 1));
     uint ownRow = at.y * constants.fromWidth, otherRow = y * constants.fromWidth;
     uint beside = colourAt(ownRow + x), over = colourAt(otherRow + at.x), across = colourAt(otherRow + x);
-    samples.beside = sampleFrom(centre + ivec2(step.x, 0), placeInPixel(beside, places));
-    samples.over = sampleFrom(centre + ivec2(0, step.y), placeInPixel(over, places));
-    samples.across = sampleFrom(centre + step, placeInPixel(across, places));
+    samples.beside = sampleFrom(centre + ivec2(side.x, 0), placeInPixel(beside, places));
+    samples.over = sampleFrom(centre + ivec2(0, side.y), placeInPixel(over, places));
+    samples.across = sampleFrom(centre + side, placeInPixel(across, places));
     samples.takesBeside = kindOf(beside) == kind;
     samples.takesOver = kindOf(over) == kind;
     samples.takesAcross = kindOf(across) == kind;
@@ -64,13 +66,15 @@ void main()
     uint endRow = min(firstRow + kEnlargedRows, constants.toHeight);
     for (uint x = gl_LocalInvocationID.x; x < width; x += gl_WorkGroupSize.x) {
         Between column = betweenOf(x, fromWidth, width);
+        uint atX = column.isNearLast != 0u ? column.last : column.first;
+        int centreX = nearestCentre(x, atX, fromWidth, width);
         for (uint y = firstRow; y < endRow; ++y) {
             Between row = betweenOf(y, constants.fromHeight, constants.toHeight);
-            uvec2 at = uvec2(column.isNearLast != 0u ? column.last : column.first,
-                             row.isNearLast != 0u ? row.last : row.first);
+            uvec2 at = uvec2(atX, row.isNearLast != 0u ? row.last : row.first);
             uint place = y * width + x, nearestPlace = at.y * fromWidth + at.x;
             uint nearest = colourAt(nearestPlace), kind = kindOf(nearest);
-            colours[place] = BY_PLACES ? colourByPlaces(row, column, at, nearest, kind)
+            ivec2 centre = ivec2(centreX, nearestCentre(y, at.y, constants.fromHeight, constants.toHeight));
+            colours[place] = BY_PLACES ? colourByPlaces(at, centre, nearest, kind)
                                        : meanColour(sumByCentres(row, column, kind), nearest);
             depths[place] = texelFetch(fromDepths, int(nearestPlace)).x;
         }

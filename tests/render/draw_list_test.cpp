@@ -116,6 +116,32 @@ TEST(DrawList, ScrapsOfTheAdaptiveMeshArePointsWhileThoseAreSmall) {
     EXPECT_GE(fromNearby[1], 400u) << "and squares";
 }
 
+TEST(DrawList, PointsAreSquaresWhereTheSurfaceSlopesByMoreThanThreePixels) {
+    Many many = manyTiles(600);
+    const TileBounds& bounds = many.scene.bounds;
+    std::vector<double> steps; // pixels; samples themselves are half a pixel apart
+    for (std::uint32_t i = 0; i < 600; ++i) {
+        ResidentTile& tile = many.scene.tiles[i];
+        tile.steepness = 0.001 * i, tile.pointCount = 10;
+        steps.push_back(scene::slopeStepInEye(
+            many.sources[0].eyeImageFromSource,
+            {{bounds.xMin[i], bounds.yMin[i], bounds.dMin[i]}, {bounds.xMax[i], bounds.yMax[i], bounds.dMax[i]}},
+            tile.steepness));
+    }
+    for (const int widest : {2, 4, 8}) {
+        Quality quality{.warp = Warp::points};
+        quality.maxFootprint = widest, quality.drawsSquaresNear = true;
+        const auto steep = std::ranges::count_if(steps, [&](double step) { return step > std::min(widest, 3); });
+        std::vector<TileDraw> draws;
+        std::int64_t squares = 0;
+        for (const DrawRun& run : listOf(many, quality, draws).runs)
+            squares += run.warp == Warp::mesh ? run.count : 0;
+        EXPECT_EQ(squares, steep) << widest;
+        EXPECT_GT(steep, 50);
+        EXPECT_LT(steep, 550);
+    }
+}
+
 /// Whether the warps' shaders for plain tiles do all that this draw wants.
 bool isPlainIndeed(const TileDraw& draw, Warp warp) {
     switch (warp) {

@@ -47,6 +47,9 @@ TEST(RescaleWeights, OfAnEnlargedPictureAreTheSameWorkedOutAtOnce) {
             ASSERT_EQ(between.last, lastPixel(i, from, to)) << from << " to " << to << ", pixel " << i;
             EXPECT_EQ(between.isNearLast ? between.last : between.first, nearestPixel(i, from, to));
             EXPECT_EQ(kWholeWeight - between.lastWeight, weightOf(between.first, i, from, to));
+            const uint nearest = nearestPixel(i, from, to);
+            const double apart = nearest + 0.5 - (i + 0.5) * from / to;
+            EXPECT_NEAR(nearestCentre(i, nearest, from, to), kPerPixel * apart, 0.5001) << "at the borders, too";
         }
 }
 

@@ -130,7 +130,10 @@ scene::EyeImage enlargedByPlaces(const scene::ZBuffer& zBuffer, const PlaceSteps
                                           static_cast<uint>(height));
             const uint nearX = column.isNearLast != 0 ? column.last : column.first,
                        nearY = row.isNearLast != 0 ? row.last : row.first, nearest = pixelAt(nearX, nearY);
-            const ivec2 centre(nearestCentre(column), nearestCentre(row)),
+            const ivec2 centre(nearestCentre(static_cast<uint>(x), nearX, static_cast<uint>(zBuffer.width()),
+                                             static_cast<uint>(width)),
+                               nearestCentre(static_cast<uint>(y), nearY, static_cast<uint>(zBuffer.height()),
+                                             static_cast<uint>(height))),
                 own = sampleFrom(centre, placeInPixel(nearest, places)), way = wayAcross(own);
             const auto pixelAside = [&](const ivec2& side) {
                 return pixelAt(inside(nearX, side.x, zBuffer.width()), inside(nearY, side.y, zBuffer.height()));

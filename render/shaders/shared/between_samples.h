@@ -64,22 +64,27 @@ struct FourShares {
     uint own, beside, over, across;
 };
 
-/// Exact for what changes evenly, however unevenly samples stand. The sum of the shares is below 2^22, that of own
-/// above 0; where own is in the wanted place it has all of them.
+/// Linear along the row of own and beside, along that of over and across, and between the two places that the rows
+/// make: near what a plane through them would say, where rows lie level and have a sample on each side exactly that.
+/// The sum of the shares is below 2^22, that of own above 0; where own is in the wanted place it has all of them.
 SHARED_FUNCTION FourShares sharesOf(FourSamples at) {
-    // Each sample counts by how far the other one is; and by a step more, lest both be here.
+    // Each sample counts by how far the other one is, the farther along either axis; by a step more, lest both be here.
+    int besideFar = max(abs(at.beside.x), abs(at.beside.y - at.own.y)) + 1;
+    int overFar = max(abs(at.over.x), abs(at.over.y - at.across.y));
+    int acrossFar = max(abs(at.across.x), abs(at.across.y - at.over.y)) + 1;
+    int own = at.takesBeside ? besideFar : 1, beside = at.takesBeside ? abs(at.own.x) : 0;
+    int over = !at.takesOver ? 0 : (at.takesAcross ? acrossFar : 1);
+    int across = !at.takesAcross ? 0 : (at.takesOver ? overFar : 1);
+    // Of the two places that the rows make, too, each counts by how far above or below the other one is; as these are
+    // means by a row's shares, so are they times their sum.
+    int otherRow = over + across;
+    int ownHigh = abs(own * at.own.y + beside * at.beside.y), otherHigh = abs(over * at.over.y + across * at.across.y);
+    int ofOwnRow = otherRow == 0 ? 1 : otherHigh + otherRow, ofOtherRow = ownHigh;
     FourShares shares;
-    shares.own = at.takesBeside ? uint(abs(at.beside.x)) + 1u : 1u;
-    shares.beside = at.takesBeside ? uint(abs(at.own.x)) : 0u;
-    shares.over = !at.takesOver ? 0u : (at.takesAcross ? uint(abs(at.across.x)) + 1u : 1u);
-    shares.across = !at.takesAcross ? 0u : (at.takesOver ? uint(abs(at.over.x)) : 1u);
-    uint ownRow = shares.own + shares.beside, otherRow = shares.over + shares.across;
-    uint ofOwnRow = otherRow * (uint(abs(at.over.y)) + 1u), ofOtherRow = ownRow * uint(abs(at.own.y));
-    ofOwnRow = otherRow == 0u ? 1u : ofOwnRow;
-    shares.own *= ofOwnRow;
-    shares.beside *= ofOwnRow;
-    shares.over *= ofOtherRow;
-    shares.across *= ofOtherRow;
+    shares.own = uint(own * ofOwnRow);
+    shares.beside = uint(beside * ofOwnRow);
+    shares.over = uint(over * ofOtherRow);
+    shares.across = uint(across * ofOtherRow);
     return shares;
 }
 

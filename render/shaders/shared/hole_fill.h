@@ -54,7 +54,7 @@ struct ResolveConstants {
     int width; ///< pixels
     int height;
     HoleFill fill;
-    PlaceSteps places; ///< of the samples in the z-buffer, where pixels are made of what stands about their centres
+    PlaceSteps places; ///< of the samples in the z-buffer, where those are used or kept; else 0
 };
 
 #ifdef __cplusplus

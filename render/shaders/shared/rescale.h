@@ -79,10 +79,12 @@ SHARED_FUNCTION Between betweenOf(uint i, uint from, uint to) {
 /// Rows of the new picture that one workgroup makes where to >= from.
 SHARED_CONSTANT uint kEnlargedRows = 8u;
 
-/// From the new pixel's centre to that of the nearest old one along an axis, in 1 / kPerPixel of an old pixel.
-SHARED_FUNCTION int nearestCentre(Between between) {
-    int whole = int(kWholeWeight), weight = int(between.lastWeight);
-    return ((between.isNearLast != 0u ? whole : 0) - weight) / (whole / kPerPixel);
+/// Where to >= from: from new pixel i's centre to that of the old pixel in which it lies, in 1 / kPerPixel of an old
+/// one.
+SHARED_FUNCTION int nearestCentre(uint i, uint nearest, uint from, uint to) {
+    int halfPixel = kPerPixel / 2;
+    uint beyond = (2u * nearest + 1u) * to + to - (2u * i + 1u) * from; // in 1 / (2 to), and half a pixel more
+    return int(quotient(beyond * uint(halfPixel) + to / 2u, to)) - halfPixel;
 }
 
 /// Colours of which kinds may be mixed: what was measured with what was filled in, and nothing else. pixel: r | g << 8
