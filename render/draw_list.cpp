@@ -65,6 +65,19 @@ std::uint32_t footprintOf(const glm::dmat4& c, const scene::SampleBox& box, cons
     return static_cast<std::uint32_t>(scene::footprintOf(c, box, scale, most));
 }
 
+/// Pixels. Points that are one pixel wide though samples are farther apart, on a surface that slopes by more than this,
+/// leave a lattice of cracks, which the hole filler cannot tell from a fence. Two pixels wide they leave none.
+constexpr double kLeastLatticeStep = 1, kLatticeWidth = 1.02;
+
+std::uint32_t widthOfPoints(const glm::dmat4& c, const scene::SampleBox& box, double steepness, const Quality& quality,
+                            bool isStandIn) {
+    const std::uint32_t width = footprintOf(c, box, quality, isStandIn);
+    const bool leavesLattice = width == 1 && quality.drawsSquaresNear && quality.maxFootprint > 1 &&
+                               scene::slopeStepInEye(c, box, steepness) > kLeastLatticeStep &&
+                               scene::sampleWidthInEye(c, box) > kLatticeWidth;
+    return leavesLattice ? 2 : width;
+}
+
 /// Pixels. Where a surface slopes, points stand farther apart than they are wide; wider gaps than so leave cracks that
 /// are not closed afterwards.
 constexpr int kWidestSlopeStep = 3;
@@ -170,13 +183,13 @@ Reach plainIf(bool isPlain) {
 /// How far a sample reaches in the eye, and whether the tile is plain: points of one pixel; splats of two at most; a
 /// mesh before the eye, of small squares; and of meshes and facets, which ask it square by square or pixel by pixel,
 /// all is of this level.
-void findReach(const SourceView& source, const scene::SampleBox& box, const Quality& quality,
+void findReach(const SourceView& source, const scene::SampleBox& box, double steepness, const Quality& quality,
                DrawList::Chosen& chosen) {
     const glm::dmat4& c = source.eyeImageFromSource;
     const bool isWhole = chosen.detail.x == 0.0f && source.share == 1;
     switch (chosen.warp) {
     case Warp::points:
-        chosen.width = footprintOf(c, box, quality, chosen.isStandIn);
+        chosen.width = widthOfPoints(c, box, steepness, quality, chosen.isStandIn);
         if (chosen.isOfLone && quality.warp != Warp::points) chosen.width = std::min(chosen.width, kWidestScrapPoint);
         chosen.reach = chosen.width == 1 ? Reach::plain : chosen.width <= kWidestShared ? Reach::any : Reach::wide;
         break;
@@ -303,7 +316,7 @@ void chooseDraws(const SceneIndex& scene, std::span<const ChunkPlace> places, st
                                 .warp = warp,
                                 .detail = *detail};
         if (picturePixels > 0) placeInView(source, tile, boxOf(scene.bounds, number), chosen);
-        findReach(source, boxOf(scene.bounds, number), quality, chosen);
+        findReach(source, boxOf(scene.bounds, number), tile.steepness, quality, chosen);
         return chosen;
     };
 
@@ -336,7 +349,8 @@ void chooseDraws(const SceneIndex& scene, std::span<const ChunkPlace> places, st
                 chosen->orderLevel = std::min<std::uint32_t>(chosen->orderLevel + kLoneLevels, scene::kMaxOrderLevel);
                 chosen->area *= static_cast<float>(tile.loneCount) / static_cast<float>(tile.pointCount);
             }
-            findReach(sources[piece.image], boxOf(scene.bounds, chosen->tile), quality, *chosen);
+            // Of what stands by itself nothing is to be closed, and stand-ins are wide enough.
+            findReach(sources[piece.image], boxOf(scene.bounds, chosen->tile), 0, quality, *chosen);
             add(*chosen);
         }
     });

@@ -142,6 +142,39 @@ TEST(DrawList, PointsAreSquaresWhereTheSurfaceSlopesByMoreThanThreePixels) {
     }
 }
 
+TEST(DrawList, PointsOfOnePixelAreTwoWhereSlopesWouldMakeALatticeOfThem) {
+    Many many = manyTiles(600);
+    const scene::View eye{cameraOf(640, 480, 0.5), {glm::dmat3(1), {0.2, 0, 0}}};
+    many.sources[0].eyeImageFromSource = scene::eyeImageFromSourceImage(eye, cameraOf(2000, 2000, 1.5), {});
+    const glm::dmat4& c = many.sources[0].eyeImageFromSource;
+    const TileBounds& bounds = many.scene.bounds;
+    const auto boxOfTile = [&](std::uint32_t i) {
+        return scene::SampleBox{{bounds.xMin[i], bounds.yMin[i], bounds.dMin[i]},
+                                {bounds.xMax[i], bounds.yMax[i], bounds.dMax[i]}};
+    };
+    const double width = scene::sampleWidthInEye(c, boxOfTile(0)); // the same for all: nothing is turned
+    Quality quality{.warp = Warp::points};
+    quality.footprintScale = 1 / width; // one pixel is what is drawn
+    int steep = 0;
+    for (std::uint32_t i = 0; i < 600; ++i) {
+        ResidentTile& tile = many.scene.tiles[i];
+        tile.steepness = 0.00019 * i, tile.pointCount = 10;
+        steep += scene::slopeStepInEye(c, boxOfTile(i), tile.steepness) > 1 ? 1 : 0;
+    }
+    ASSERT_GT(width, 1.05);
+    EXPECT_GT(steep, 50);
+    EXPECT_LT(steep, 550);
+    for (const bool closes : {true, false}) {
+        quality.drawsSquaresNear = closes;
+        std::vector<TileDraw> draws;
+        listOf(many, quality, draws);
+        int wide = 0;
+        for (const TileDraw& draw : draws)
+            wide += footprintOf(draw) == 2 ? 1 : 0;
+        EXPECT_EQ(wide, closes ? steep : 0);
+    }
+}
+
 /// Whether the warps' shaders for plain tiles do all that this draw wants.
 bool isPlainIndeed(const TileDraw& draw, Warp warp) {
     switch (warp) {
