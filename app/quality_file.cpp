@@ -172,8 +172,8 @@ std::vector<Knob> makeKnobs() {
         yesOrNo(
             "squares_near",
             "points and splats: where samples are seen farther apart than max_footprint, or 3 pixels since their "
-            "surface "
-            "slopes, squares between them are drawn instead",
+            "surface slopes, squares between them are drawn instead; points on lesser slopes are two pixels wide at "
+            "least",
             {false}, [](auto& q) -> auto& { return q.drawsSquaresNear; }),
         yesOrNo(
             "lone_samples", "the mesh, adaptive or not: samples that are in none of its squares are drawn as points",

@@ -65,8 +65,9 @@ std::uint32_t footprintOf(const glm::dmat4& c, const scene::SampleBox& box, cons
     return static_cast<std::uint32_t>(scene::footprintOf(c, box, scale, most));
 }
 
-/// Pixels. Points that are one pixel wide though samples are farther apart, on a surface that slopes by more than this,
-/// leave a lattice of cracks, which the hole filler cannot tell from a fence. Two pixels wide they leave none.
+/// Pixels. Points that are one pixel wide though samples are farther apart than kLatticeWidth (one, and what rounding
+/// may make of it), on a surface that slopes by more than kLeastLatticeStep, leave a lattice of cracks, which the hole
+/// filler cannot tell from a fence. Two pixels wide they leave none.
 constexpr double kLeastLatticeStep = 1, kLatticeWidth = 1.02;
 
 std::uint32_t widthOfPoints(const glm::dmat4& c, const scene::SampleBox& box, double steepness, const Quality& quality,
