@@ -11,35 +11,40 @@
 namespace render {
 
 class Device;
-struct EyeTarget;
 
 struct PictureSize {
     int width = 0, height = 0; ///< pixels
     friend bool operator==(const PictureSize&, const PictureSize&) = default;
 };
 
-/// An image of four bytes a pixel in the order r, g, b, a (UNORM or SRGB: bytes are copied as they are), as large as
-/// the eye, made to be a transfer destination. Nothing is copied if image is null.
+/// An image of four bytes a pixel in the order r, g, b, a, as large as the eye, made to be drawn into
+/// (a colour attachment) and copied to (a transfer destination). Nothing is done if it is null.
 struct EyeOutput {
     VkImage image = VK_NULL_HANDLE;
+    VkFormat format = VK_FORMAT_R8G8B8A8_SRGB; ///< or UNORM: its bytes are the picture's either way
     std::uint32_t layer = 0;
     VkImageLayout layout = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL; ///< in which it is left; what it held is lost
 
-    /// Of the format D32_SFLOAT, else as image; left in DEPTH_STENCIL_ATTACHMENT_OPTIMAL. It is given nearMetres / z: 1
-    /// there and nearer, 0 infinitely far and where there is nothing. Null: no depth is wanted.
+    /// Of the format D32_SFLOAT, a depth attachment and transfer destination; left in DEPTH_STENCIL_ATTACHMENT_OPTIMAL.
+    /// It is given nearMetres / z: 1 there and nearer, 0 infinitely far and where there is nothing. Null: no depth is
+    /// wanted.
     VkImage depth = VK_NULL_HANDLE;
     std::uint32_t depthLayer = 0;
     float nearMetres = 0;
 };
 
-/// Copies the eye's resolved picture into the image's first rows and columns; the last byte of each pixel is its class.
-/// Where the image is larger, the picture's last row and column are repeated once: who enlarges it linearly reads half
-/// a pixel beyond its edge.
-void recordOutput(VkCommandBuffer commands, const EyeTarget& target, const PictureSize& picture,
-                  const PictureSize& image, const EyeOutput& output);
-/// Likewise output's depth, from a buffer of what stands in it (DepthPass).
-void recordDepthOutput(VkCommandBuffer commands, VkBuffer nearOverDepth, const PictureSize& picture,
-                       const PictureSize& image, const EyeOutput& output);
+/// One of its two images, and how it is to be left.
+struct OutputLayer {
+    VkImage image;
+    std::uint32_t index;
+    VkImageAspectFlags aspect;
+    VkImageLayout layout;
+};
+OutputLayer colourOf(const EyeOutput& output);
+OutputLayer depthOf(const EyeOutput& output);
+VkImageMemoryBarrier barrierOf(const OutputLayer& layer);
+/// Of its first rows and columns, four bytes a pixel.
+VkBufferImageCopy copyOf(const OutputLayer& layer, int width, int height);
 
 /// What such an image's first rows and columns hold once all that was submitted to it is done; it must be made to be a
 /// transfer source as well. Waits: for pictures of single frames.

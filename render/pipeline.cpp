@@ -45,6 +45,12 @@ VkDescriptorType typeOf(Binding binding) {
 
 } // namespace
 
+Specialisation::Specialisation(std::span<const std::uint32_t> values) {
+    for (std::uint32_t i = 0; i < values.size(); ++i)
+        entries_.push_back({i, i * static_cast<std::uint32_t>(sizeof(std::uint32_t)), sizeof(std::uint32_t)});
+    info_ = {static_cast<std::uint32_t>(entries_.size()), entries_.data(), values.size_bytes(), values.data()};
+}
+
 ComputePipeline PipelineStore::pipeline(VkDevice device, std::span<const std::uint32_t> code,
                                         std::span<const VkDescriptorSetLayout> sets, std::uint32_t pushConstantBytes,
                                         std::span<const std::uint32_t> specialisation) {
@@ -54,12 +60,7 @@ ComputePipeline PipelineStore::pipeline(VkDevice device, std::span<const std::ui
     if (const auto found = pipelines_.find(key); found != pipelines_.end())
         return {found->second.layout, found->second.pipeline};
 
-    std::vector<VkSpecializationMapEntry> entries;
-    for (std::uint32_t i = 0; i < specialisation.size(); ++i)
-        entries.push_back({i, i * static_cast<std::uint32_t>(sizeof(std::uint32_t)), sizeof(std::uint32_t)});
-    const VkSpecializationInfo constants{static_cast<std::uint32_t>(entries.size()), entries.data(),
-                                         specialisation.size_bytes(), specialisation.data()};
-
+    const Specialisation constants(specialisation);
     const ShaderModule module = makeShaderModule(device, code);
     Made made{makePipelineLayout(device, sets, {VK_SHADER_STAGE_COMPUTE_BIT, 0, pushConstantBytes}), {}};
     VkComputePipelineCreateInfo info{};
@@ -68,7 +69,7 @@ ComputePipeline PipelineStore::pipeline(VkDevice device, std::span<const std::ui
     info.stage.stage = VK_SHADER_STAGE_COMPUTE_BIT;
     info.stage.module = module;
     info.stage.pName = "main";
-    info.stage.pSpecializationInfo = &constants;
+    info.stage.pSpecializationInfo = constants.info();
     info.layout = made.layout;
     VkPipeline pipeline = VK_NULL_HANDLE;
     check(vkCreateComputePipelines(device, VK_NULL_HANDLE, 1, &info, nullptr, &pipeline));

@@ -30,6 +30,19 @@ ComputePipeline makeComputePipeline(const Device& device, std::span<const std::u
                                     std::span<const VkDescriptorSetLayout> sets, std::uint32_t pushConstantBytes,
                                     std::span<const std::uint32_t> specialisation);
 
+/// The constants 0, 1, ... of a shader; values must outlive it.
+class Specialisation {
+  public:
+    explicit Specialisation(std::span<const std::uint32_t> values);
+    Specialisation(const Specialisation&) = delete;
+    Specialisation& operator=(const Specialisation&) = delete;
+    const VkSpecializationInfo* info() const { return &info_; }
+
+  private:
+    std::vector<VkSpecializationMapEntry> entries_;
+    VkSpecializationInfo info_{};
+};
+
 /// How a shader sees a buffer.
 enum class Binding {
     storage, ///< as it is

@@ -61,8 +61,7 @@ Renderer::Renderer(const Device& device, const GpuScene& scene, int width, int h
       occlusion_(makeOcclusionPass(device, eyeLayout_)),
       blend_(makeBlendPass(device, scene.pageLayout(), eyeLayout_, mostPointsOf(scene))),
       resolve_(makeResolvePass(device, eyeLayout_)), rescale_(makeRescalePass(device)),
-      mark_(makeMarkPass(device, eyeLayout_)), depthPass_(makeDepthPass(device)),
-      overlay_(makeOverlayPass(device, eyeLayout_)), coverage_(coverage),
+      mark_(makeMarkPass(device, eyeLayout_)), overlay_(makeOverlayPass(device, eyeLayout_)), coverage_(coverage),
       unseen_(coverage != nullptr ? makeUnseenPipeline(device, *coverage, eyeLayout_) : ComputePipeline{}),
       polygons_(polygons), streams_(device, eyes) {
     assert(width > 0 && height > 0 && eyes >= 1 && eyes <= kMaxEyes);
@@ -96,6 +95,7 @@ FrameStats Renderer::draw(std::span<const scene::View> views, const Quality& qua
     });
     if (!isStanding_) makeRoom(quality), prepareForWideTiles();
     isOnePass_ = !isStanding_ && unite(quality, slot, stats);
+    prepareOutputs(outputs);
     tbb::parallel_for(std::size_t{0}, eyes_.size(), [&](std::size_t i) {
         const int index = static_cast<int>(i);
         if (!isStanding_) list(eyes_[i], quality, slot, index);
@@ -287,6 +287,14 @@ void Renderer::choose(Eye& eye, const scene::View& given, const Quality& quality
     });
 }
 
+void Renderer::prepareOutputs(std::span<const EyeOutput> outputs) {
+    for (std::size_t i = 0; i < outputs.size(); ++i) {
+        if (outputs[i].image == VK_NULL_HANDLE || isFor(eyes_[i].output, outputs[i])) continue;
+        streams_.waitForAll();
+        eyes_[i].output = makeOutputPass(device_, eyes_[i].target, outputs[i]);
+    }
+}
+
 std::span<const SourceView> Renderer::capturedOf(const Eye& eye) const {
     return std::span<const SourceView>(eye.sources.of).first(scene_.capturedImages());
 }
@@ -373,12 +381,9 @@ void Renderer::recordCommands(Eye& eye, const scene::View& view, const Quality& 
         }
 
         if (keepsNext_) recordKeeping(commands, eye, slot);
-        if (output.image != VK_NULL_HANDLE) recordOutput(commands, eye.target, picture_, {width_, height_}, output);
-        if (output.depth != VK_NULL_HANDLE) {
-            if (!eye.depth) eye.depth = makeDepthBuffers(device_, depthPass_, eye.target);
-            recordDepth(commands, depthPass_, *eye.depth, picture_.width, picture_.height, output.nearMetres);
-            recordDepthOutput(commands, eye.depth->nearOverDepth.handle(), picture_, {width_, height_}, output);
-            timer.mark(commands, "depth");
+        if (output.image != VK_NULL_HANDLE) {
+            recordOutput(commands, device_, *eye.output, slot, picture_, {width_, height_}, output);
+            timer.mark(commands, "output");
         }
     });
 }

@@ -2,13 +2,13 @@
 // Scene and views to pixels: cull, warp, resolve, unseen, overlay, submit.
 
 #include "render/command_streams.h"
-#include "render/depth_pass.h"
 #include "render/device.h"
 #include "render/draw_list.h"
 #include "render/gpu_scene.h"
 #include "render/output.h"
 #include "render/overlay_pass.h"
 #include "render/post/mark_pass.h"
+#include "render/post/output_pass.h"
 #include "render/post/rescale.h"
 #include "render/post/resolve_pass.h"
 #include "render/post/unseen.h"
@@ -62,7 +62,7 @@ class Renderer {
              const GpuCoverage* coverage = nullptr, const GpuPolygons* polygons = nullptr);
 
     /// Sends a frame to the device. Waits only for the frame two before. The cameras must have the renderer's
-    /// size. outputs: where the finished eyes are copied to, one each, or none.
+    /// size. outputs: what the finished eyes are drawn into, one each, or none.
     /// overlay: what is drawn over the scene; costs nothing where there is none.
     FrameStats draw(std::span<const scene::View> eyes, const Quality& quality, std::span<const EyeOutput> outputs = {},
                     const Overlay* overlay = nullptr);
@@ -123,7 +123,7 @@ class Renderer {
         std::uint64_t trianglesDrawn = 0;
         std::vector<StepTime> times{};
         std::array<Buffer, kFramesInFlight> kept{}; ///< copies of the colours; made when first wanted
-        std::optional<DepthBuffers> depth{};        ///< made when first wanted
+        std::optional<OutputPass> output{};         ///< made when first wanted
         OverlayList overlay{};
         std::array<OverlayBuffers, kFramesInFlight> overlayBuffers{}; ///< made when first wanted
     };
@@ -151,6 +151,7 @@ class Renderer {
     /// Whether the eyes are warped together in this frame; then their lists are united.
     bool unite(const Quality& quality, std::size_t slot, FrameStats& stats);
     void list(Eye& eye, const Quality& quality, std::size_t slot, int index);
+    void prepareOutputs(std::span<const EyeOutput> outputs);
     std::span<const SourceView> capturedOf(const Eye& eye) const;
     void prepareOverlay(Eye& eye, const scene::View& view, const Overlay& overlay, std::size_t slot, int index);
     void recordCommands(Eye& eye, const scene::View& view, const Quality& quality, const EyeOutput& output,
@@ -174,7 +175,6 @@ class Renderer {
     ResolvePass resolve_;
     RescalePass rescale_;
     ComputePipeline mark_;
-    DepthPass depthPass_;
     OverlayPass overlay_;
     const GpuCoverage* coverage_;
     ComputePipeline unseen_; ///< where there is coverage

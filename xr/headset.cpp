@@ -130,7 +130,7 @@ void Headset::makeSwapchains() {
             std::make_unique<Swapchain>(session_, VK_FORMAT_D32_SFLOAT,
                                         kCopied | XR_SWAPCHAIN_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT, width(), height());
     } catch (const scene::Failure&) {
-        // It offers depth and takes none that can be written by copying: a walk is one without.
+        // It offers depth and takes none that can be drawn into and copied to: a walk is one without.
     }
 }
 

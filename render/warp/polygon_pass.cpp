@@ -1,6 +1,5 @@
 #include "render/warp/polygon_pass.h"
 
-#include "render/check.h"
 #include "render/device.h"
 #include "render/shaders/shared/polygons.h"
 
@@ -42,138 +41,44 @@ VkAttachmentDescription attachmentOf(VkFormat format, int samples, VkImageLayout
 }
 
 /// The picture of the frame before has been merged when this one is cleared, and is whole when it is merged.
-RenderPass makeRenderPass(const Device& device, int samples) {
-    const std::array attachments{attachmentOf(kColourFormat, samples, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL),
-                                 attachmentOf(kDepthFormat, samples, kReadDepth)};
-    const VkAttachmentReference colour{0, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL},
-        depth{1, VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL};
-    VkSubpassDescription subpass{};
-    subpass.pipelineBindPoint = VK_PIPELINE_BIND_POINT_GRAPHICS;
-    subpass.colorAttachmentCount = 1;
-    subpass.pColorAttachments = &colour;
-    subpass.pDepthStencilAttachment = &depth;
-
+RenderPass makePolygonRenderPass(const Device& device, int samples) {
     constexpr VkPipelineStageFlags kDrawing = VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT |
                                               VK_PIPELINE_STAGE_EARLY_FRAGMENT_TESTS_BIT |
                                               VK_PIPELINE_STAGE_LATE_FRAGMENT_TESTS_BIT;
     constexpr VkAccessFlags kWrites = VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT |
                                       VK_ACCESS_DEPTH_STENCIL_ATTACHMENT_READ_BIT |
                                       VK_ACCESS_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT;
-    const std::array<VkSubpassDependency, 2> dependencies{
-        {{VK_SUBPASS_EXTERNAL, 0, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | kDrawing, kDrawing,
-          VK_ACCESS_SHADER_READ_BIT | kWrites, kWrites, 0},
-         {0, VK_SUBPASS_EXTERNAL, kDrawing, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, kWrites, VK_ACCESS_SHADER_READ_BIT,
-          0}}};
-    VkRenderPassCreateInfo info{};
-    info.sType = VK_STRUCTURE_TYPE_RENDER_PASS_CREATE_INFO;
-    info.attachmentCount = attachments.size();
-    info.pAttachments = attachments.data();
-    info.subpassCount = 1;
-    info.pSubpasses = &subpass;
-    info.dependencyCount = dependencies.size();
-    info.pDependencies = dependencies.data();
-    VkRenderPass renderPass = VK_NULL_HANDLE;
-    check(vkCreateRenderPass(device, &info, nullptr, &renderPass));
-    return {device, renderPass};
+    RasterTargets targets{.colour = attachmentOf(kColourFormat, samples, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL),
+                          .depth = attachmentOf(kDepthFormat, samples, kReadDepth)};
+    targets.before.srcStageMask = VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | kDrawing;
+    targets.before.srcAccessMask = VK_ACCESS_SHADER_READ_BIT | kWrites;
+    targets.before.dstStageMask = targets.after.srcStageMask = kDrawing;
+    targets.before.dstAccessMask = targets.after.srcAccessMask = kWrites;
+    targets.after.dstStageMask = VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT;
+    targets.after.dstAccessMask = VK_ACCESS_SHADER_READ_BIT;
+    return makeRenderPass(device, targets);
 }
 
-VkPipelineShaderStageCreateInfo stageOf(VkShaderStageFlagBits stage, VkShaderModule module) {
-    VkPipelineShaderStageCreateInfo info{};
-    info.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO;
-    info.stage = stage;
-    info.module = module;
-    info.pName = "main";
-    return info;
-}
-
-Pipeline makeDrawingPipeline(const Device& device, VkPipelineLayout layout, VkRenderPass renderPass, int ofPixel) {
-    const ShaderModule vertex = makeShaderModule(device, kPolygonsVertexCode),
-                       fragment = makeShaderModule(device, kPolygonsFragmentCode);
-    const std::array stages{stageOf(VK_SHADER_STAGE_VERTEX_BIT, vertex),
-                            stageOf(VK_SHADER_STAGE_FRAGMENT_BIT, fragment)};
-
+/// Seen from behind a triangle is drawn as well, as images of it show it.
+Pipeline makeDrawingPipeline(const Device& device, VkPipelineLayout layout, VkRenderPass renderPass, int samples) {
     const VkVertexInputBindingDescription binding{0, sizeof(PolygonVertex), VK_VERTEX_INPUT_RATE_VERTEX};
     const std::array<VkVertexInputAttributeDescription, 4> attributes{
         {{0, 0, VK_FORMAT_R32G32B32_SFLOAT, offsetof(PolygonVertex, position)},
          {1, 0, VK_FORMAT_R8G8B8A8_SNORM, offsetof(PolygonVertex, normal)},
          {2, 0, VK_FORMAT_R32G32_SFLOAT, offsetof(PolygonVertex, texturePlace)},
          {3, 0, VK_FORMAT_R16G16B16A16_SFLOAT, offsetof(PolygonVertex, colour)}}};
-    VkPipelineVertexInputStateCreateInfo input{};
-    input.sType = VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO;
-    input.vertexBindingDescriptionCount = 1;
-    input.pVertexBindingDescriptions = &binding;
-    input.vertexAttributeDescriptionCount = attributes.size();
-    input.pVertexAttributeDescriptions = attributes.data();
-
-    VkPipelineInputAssemblyStateCreateInfo assembly{};
-    assembly.sType = VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO;
-    assembly.topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;
-    VkPipelineViewportStateCreateInfo viewport{};
-    viewport.sType = VK_STRUCTURE_TYPE_PIPELINE_VIEWPORT_STATE_CREATE_INFO;
-    viewport.viewportCount = viewport.scissorCount = 1;
-    // Seen from behind a triangle is drawn as well, as images of it show it.
-    VkPipelineRasterizationStateCreateInfo raster{};
-    raster.sType = VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO;
-    raster.lineWidth = 1;
-    VkPipelineMultisampleStateCreateInfo samples{};
-    samples.sType = VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO;
-    samples.rasterizationSamples = flagOf(ofPixel);
-    VkPipelineDepthStencilStateCreateInfo depth{};
-    depth.sType = VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO;
-    depth.depthTestEnable = depth.depthWriteEnable = VK_TRUE;
-    depth.depthCompareOp = VK_COMPARE_OP_GREATER;
-    VkPipelineColorBlendAttachmentState colour{};
-    colour.colorWriteMask =
-        VK_COLOR_COMPONENT_R_BIT | VK_COLOR_COMPONENT_G_BIT | VK_COLOR_COMPONENT_B_BIT | VK_COLOR_COMPONENT_A_BIT;
-    VkPipelineColorBlendStateCreateInfo blend{};
-    blend.sType = VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO;
-    blend.attachmentCount = 1;
-    blend.pAttachments = &colour;
-    const std::array dynamicStates{VK_DYNAMIC_STATE_VIEWPORT, VK_DYNAMIC_STATE_SCISSOR};
-    VkPipelineDynamicStateCreateInfo dynamic{};
-    dynamic.sType = VK_STRUCTURE_TYPE_PIPELINE_DYNAMIC_STATE_CREATE_INFO;
-    dynamic.dynamicStateCount = dynamicStates.size();
-    dynamic.pDynamicStates = dynamicStates.data();
-
-    VkGraphicsPipelineCreateInfo info{};
-    info.sType = VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO;
-    info.stageCount = stages.size();
-    info.pStages = stages.data();
-    info.pVertexInputState = &input;
-    info.pInputAssemblyState = &assembly;
-    info.pViewportState = &viewport;
-    info.pRasterizationState = &raster;
-    info.pMultisampleState = &samples;
-    info.pDepthStencilState = &depth;
-    info.pColorBlendState = &blend;
-    info.pDynamicState = &dynamic;
-    info.layout = layout;
-    info.renderPass = renderPass;
-    VkPipeline pipeline = VK_NULL_HANDLE;
-    check(vkCreateGraphicsPipelines(device, VK_NULL_HANDLE, 1, &info, nullptr, &pipeline));
-    return {device, pipeline};
+    return makeRasterPipeline(device, {.vertexCode = kPolygonsVertexCode,
+                                       .fragmentCode = kPolygonsFragmentCode,
+                                       .bindings = {&binding, 1},
+                                       .attributes = attributes,
+                                       .samples = flagOf(samples),
+                                       .depthCompare = VK_COMPARE_OP_GREATER,
+                                       .layout = layout,
+                                       .pass = renderPass});
 }
 
 constexpr std::array kPictures{Binding::sampled, Binding::sampled};
 constexpr VkShaderStageFlags kDrawingStages = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT;
-
-void begin(VkCommandBuffer commands, const PolygonPass& pass, const PolygonTarget& target,
-           const scene::Camera& camera) {
-    const VkRect2D area{{0, 0}, {static_cast<std::uint32_t>(camera.width), static_cast<std::uint32_t>(camera.height)}};
-    const std::array<VkClearValue, 2> nothing{};
-    VkRenderPassBeginInfo info{};
-    info.sType = VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO;
-    info.renderPass = pass.renderPass;
-    info.framebuffer = target.framebuffer;
-    info.renderArea = area;
-    info.clearValueCount = nothing.size();
-    info.pClearValues = nothing.data();
-    vkCmdBeginRenderPass(commands, &info, VK_SUBPASS_CONTENTS_INLINE);
-    vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pass.pipeline);
-    const VkViewport viewport{0, 0, static_cast<float>(camera.width), static_cast<float>(camera.height), 0, 1};
-    vkCmdSetViewport(commands, 0, 1, &viewport);
-    vkCmdSetScissor(commands, 0, 1, &area);
-}
 
 } // namespace
 
@@ -191,7 +96,7 @@ PolygonPass makePolygonPass(const Device& device, const GpuPolygons& polygons, V
                             int samples) {
     PolygonPass pass;
     pass.samples = samples;
-    pass.renderPass = makeRenderPass(device, samples);
+    pass.renderPass = makePolygonRenderPass(device, samples);
     pass.layout =
         makePipelineLayout(device, std::array{polygons.textureLayout()}, {kDrawingStages, 0, sizeof(PolygonConstants)});
     pass.pipeline = makeDrawingPipeline(device, pass.layout, pass.renderPass, samples);
@@ -215,16 +120,7 @@ PolygonTarget makePolygonTarget(const Device& device, const PolygonPass& pass, i
                               VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT,
                               VK_IMAGE_ASPECT_DEPTH_BIT, 1, flagOf(pass.samples));
     const std::array<VkImageView, 2> attachments{target.colours.view, target.depths.view};
-    VkFramebufferCreateInfo info{};
-    info.sType = VK_STRUCTURE_TYPE_FRAMEBUFFER_CREATE_INFO;
-    info.renderPass = pass.renderPass;
-    info.attachmentCount = attachments.size();
-    info.pAttachments = attachments.data();
-    info.width = static_cast<std::uint32_t>(width), info.height = static_cast<std::uint32_t>(height);
-    info.layers = 1;
-    VkFramebuffer framebuffer = VK_NULL_HANDLE;
-    check(vkCreateFramebuffer(device, &info, nullptr, &framebuffer));
-    target.framebuffer = {device, framebuffer};
+    target.framebuffer = makeFramebuffer(device, pass.renderPass, attachments, width, height);
     target.pool = makeSetPool(device, 1, kPictures);
     const std::array bound{Bound{.image = target.colours.view, .sampler = pass.sampler},
                            Bound{.image = target.depths.view, .sampler = pass.sampler, .imageLayout = kReadDepth}};
@@ -261,7 +157,7 @@ bool isOutside(const glm::dmat4& clipFromBox, const glm::dvec3& low, const glm::
 
 std::uint64_t recordPolygons(VkCommandBuffer commands, const PolygonPass& pass, const GpuPolygons& polygons,
                              const PolygonTarget& target, const scene::View& view) {
-    begin(commands, pass, target, view.camera);
+    beginRaster(commands, pass.renderPass, target.framebuffer, pass.pipeline, view.camera.width, view.camera.height);
     std::uint64_t triangles = 0;
     if (!polygons.parts().empty()) {
         constexpr VkDeviceSize kStart = 0;

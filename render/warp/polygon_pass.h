@@ -3,14 +3,12 @@
 
 #include "render/gpu_polygons.h"
 #include "render/pipeline.h"
+#include "render/raster.h"
 #include "scene/view.h"
 
 #include <cstdint>
 
 namespace render {
-
-using RenderPass = Handle<VkRenderPass, &vkDestroyRenderPass>;
-using Framebuffer = Handle<VkFramebuffer, &vkDestroyFramebuffer>;
 
 /// As many samples of a pixel as the device has, and no more than were wanted: 1, 2, 4 or 8.
 int edgeSamplesOf(const Device& device, int wanted);

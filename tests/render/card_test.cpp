@@ -7,9 +7,6 @@
 #include "tests/render/studio.h"
 
 #include <array>
-#include <cstdlib>
-#include <memory>
-#include <string>
 #include <vector>
 
 namespace render {
@@ -17,35 +14,14 @@ namespace {
 
 class CardTest : public RenderTest {
   protected:
-    /// The tests' device, as if it were a card.
-    static const Device& card() {
-        static const std::unique_ptr<Device> device = [] {
-            testDevice(); // which makes the layers listen
-            const char* before = std::getenv("REVISIT_TUNING");
-            const std::string kept = before != nullptr ? before : "";
-            setenv("REVISIT_TUNING", "card", 1);
-            auto made = std::make_unique<Device>();
-            if (before != nullptr)
-                setenv("REVISIT_TUNING", kept.c_str(), 1);
-            else
-                unsetenv("REVISIT_TUNING");
-            return made;
-        }();
-        return *device;
-    }
     void SetUp() override {
         if (!testDevice().isProcessor()) GTEST_SKIP() << "draws as a card in any case";
-    }
-    void TearDown() override {
-        RenderTest::TearDown();
-        for (const std::string& message : card().validationMessages())
-            ADD_FAILURE() << message;
     }
 
     /// Every way, from every place.
     static void expectSamePictures(const CutScene& scene, std::span<const scene::View> views,
                                    const scene::Coverage* coverage = nullptr) {
-        Studio processor(scene, coverage), onCard(scene, coverage, card());
+        Studio processor(scene, coverage), onCard(scene, coverage, cardDevice());
         for (const Way& way : ways()) {
             Quality quality = way.quality;
             quality.leavesOutHidden = false; // gaps that are filled anyway would differ
@@ -57,7 +33,7 @@ class CardTest : public RenderTest {
 };
 
 TEST_F(CardTest, IsNoProcessor) {
-    EXPECT_FALSE(card().isProcessor());
+    EXPECT_FALSE(cardDevice().isProcessor());
 }
 
 TEST_F(CardTest, ARoomIsDrawnAsByAProcessor) {
@@ -124,7 +100,7 @@ TEST_F(CardTest, BothEyesOfWhatIsOnlyPartlyThereAreDrawnAsByAProcessor) {
         Quality quality = qualityOf(warp);
         quality.leavesOutHidden = false;
         const auto expected = framesOf(testDevice(), blocks, bytes, eyes, quality, coverage);
-        const auto found = framesOf(card(), blocks, bytes, eyes, quality, coverage);
+        const auto found = framesOf(cardDevice(), blocks, bytes, eyes, quality, coverage);
         for (std::size_t i = 0; i < 2; ++i)
             EXPECT_TRUE(isSame(found[i], expected[i])) << static_cast<int>(warp) << ", picture " << i;
         // Rays through open space that go together end elsewhere where fewer do, and are rounded otherwise from there.
@@ -147,7 +123,7 @@ TEST_F(CardTest, LargePicturesRightBeforeAWallAreDrawnAsByAProcessor) {
     for (const double distance : {0.2, 0.004})
         views.push_back({eye, poseAt({0.0021, 0.0013, 2 - distance}, 0.6, 0.1)});
     expectSamePictures(wall, views);
-    Studio processor(wall), onCard(wall, nullptr, card());
+    Studio processor(wall), onCard(wall, nullptr, cardDevice());
     for (const Warp warp : {Warp::mesh, Warp::adaptive})
         EXPECT_EQ(coverage(processor.draw(views[0], qualityOf(warp))), 1) << static_cast<int>(warp);
     Quality widest = qualityOf(Warp::points);

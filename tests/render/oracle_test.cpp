@@ -44,6 +44,9 @@ TEST_F(OracleTest, PointsAreThoseOfTheProcessor) {
     const CutScene room = roomInAllTiers();
     const auto blocks = room.blocks();
     const GpuScene scene(testDevice(), blocks);
+    // Lavapipe and the oracle round alike. A card that is a bit of a float off may round a key's disparity to the next
+    // of its 2^17 steps.
+    const double worstDepth = testDevice().isProcessor() ? 1e-6 : 8e-6;
     for (const auto& [nearBaseline, footprint] : {std::pair{0.f, 1}, {0.05f, 1}, {0.2f, 1}, {0.2f, 3}, {0.f, 8}})
         for (const double x : {-0.2, 0.1, 0.3}) {
             const scene::View eye{cameraOf(220, 160, 1.3), poseAt({x, 0.02, 0.15}, 0.3 * x, 0.1)};
@@ -60,7 +63,7 @@ TEST_F(OracleTest, PointsAreThoseOfTheProcessor) {
                 << "eye at " << x << ", near baseline " << nearBaseline << ", footprint " << footprint;
             EXPECT_LE(difference.colour, 0.001)
                 << "eye at " << x << ", near baseline " << nearBaseline << ", footprint " << footprint;
-            EXPECT_LE(difference.worstDepth, 1e-6)
+            EXPECT_LE(difference.worstDepth, worstDepth)
                 << "eye at " << x << ", near baseline " << nearBaseline << ", footprint " << footprint;
         }
 }

@@ -3,12 +3,22 @@
 #include <algorithm>
 #include <cstdlib>
 #include <cstring>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
 
 namespace render {
 
 namespace {
 
 constexpr const char* kLayer = "VK_LAYER_KHRONOS_validation";
+
+/// Made when first wanted.
+std::unique_ptr<Device>& madeCard() {
+    static std::unique_ptr<Device> device;
+    return device;
+}
 
 bool listen() {
     if (canValidate()) {
@@ -37,8 +47,27 @@ Device& testDevice() {
     return device;
 }
 
+Device& cardDevice() {
+    std::unique_ptr<Device>& device = madeCard();
+    if (device) return *device;
+    testDevice(); // which makes the layers listen
+    const char* before = std::getenv("REVISIT_TUNING");
+    const std::optional<std::string> kept = before != nullptr ? std::optional<std::string>(before) : std::nullopt;
+    setenv("REVISIT_TUNING", "card", 1);
+    device = std::make_unique<Device>();
+    if (kept)
+        setenv("REVISIT_TUNING", kept->c_str(), 1);
+    else
+        unsetenv("REVISIT_TUNING");
+    return *device;
+}
+
 void RenderTest::TearDown() {
-    for (const std::string& message : testDevice().validationMessages())
+    std::vector<std::string> messages = testDevice().validationMessages();
+    if (madeCard())
+        for (std::string& message : madeCard()->validationMessages())
+            messages.push_back(std::move(message));
+    for (const std::string& message : messages)
         ADD_FAILURE() << message;
 }
 

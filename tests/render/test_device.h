@@ -14,6 +14,9 @@ namespace render {
 /// VK_INSTANCE_LAYERS is set.
 Device& testDevice();
 
+/// The same as if it were a card, made when first wanted; where it is one, another of its kind.
+Device& cardDevice();
+
 /// Whether the validation layer is installed.
 bool canValidate();
 

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdlib>
 
 namespace xr {
 
@@ -67,7 +68,12 @@ TEST_P(HeadsetIn, TheHeadIsWhereItWasSent) {
 }
 
 TEST_P(HeadsetIn, IsGivenColourAndDepth) {
-    {
+    for (const bool isCard : {false, true}) { // which draws what a processor copies
+        SCOPED_TRACE(isCard ? "drawn" : "copied");
+        if (isCard)
+            setenv("REVISIT_TUNING", "card", 1);
+        else
+            unsetenv("REVISIT_TUNING");
         HeadsetRig rig;
         EXPECT_TRUE(rig.headset().takesDepth());
         for (const double scale : {1.0, 0.5, 0.35, 1.0}) {
@@ -78,6 +84,7 @@ TEST_P(HeadsetIn, IsGivenColourAndDepth) {
         }
         expectSilence(rig);
     }
+    unsetenv("REVISIT_TUNING");
     EXPECT_EQ(monado_->validationMessages(), "");
 }
 
