@@ -58,11 +58,11 @@ scene::SampleBox boxOf(const TileBounds& bounds, std::uint32_t i) {
 }
 
 /// Stand-ins are drawn as wide as it takes: what is coarse must not open holes.
-std::uint32_t footprintOf(const glm::dmat4& c, const scene::SampleBox& box, const Quality& quality, bool isStandIn) {
+std::uint32_t footprintOf(const scene::BoxInEye& seen, const Quality& quality, bool isStandIn) {
     constexpr double kStandInScale = 1.5; // closes what slopes open
     const double scale = isStandIn ? std::max(quality.footprintScale, kStandInScale) : quality.footprintScale;
     const int most = isStandIn ? std::max(quality.maxFootprint, kWidestStandIn) : quality.maxFootprint;
-    return static_cast<std::uint32_t>(scene::footprintOf(c, box, scale, most));
+    return static_cast<std::uint32_t>(scene::footprintOf(seen.sampleWidth, scale, most));
 }
 
 /// Pixels. Points that are one pixel wide though samples are farther apart than kLatticeWidth (one, and what rounding
@@ -70,12 +70,10 @@ std::uint32_t footprintOf(const glm::dmat4& c, const scene::SampleBox& box, cons
 /// filler cannot tell from a fence. Two pixels wide they leave none.
 constexpr double kLeastLatticeStep = 1, kLatticeWidth = 1.02;
 
-std::uint32_t widthOfPoints(const glm::dmat4& c, const scene::SampleBox& box, double steepness, const Quality& quality,
-                            bool isStandIn) {
-    const std::uint32_t width = footprintOf(c, box, quality, isStandIn);
+std::uint32_t widthOfPoints(const scene::BoxInEye& seen, double steepness, const Quality& quality, bool isStandIn) {
+    const std::uint32_t width = footprintOf(seen, quality, isStandIn);
     const bool leavesLattice = width == 1 && quality.drawsSquaresNear && quality.maxFootprint > 1 &&
-                               scene::slopeStepInEye(c, box, steepness) > kLeastLatticeStep &&
-                               scene::sampleWidthInEye(c, box) > kLatticeWidth;
+                               steepness * seen.slopeStep > kLeastLatticeStep && seen.sampleWidth > kLatticeWidth;
     return leavesLattice ? 2 : width;
 }
 
@@ -84,15 +82,16 @@ std::uint32_t widthOfPoints(const glm::dmat4& c, const scene::SampleBox& box, do
 constexpr int kWidestSlopeStep = 3;
 
 /// Whether points or splats as wide as they may be leave gaps between samples that squares would close.
-bool isTooWideFor(Warp warp, const glm::dmat4& c, const scene::SampleBox& box, double steepness,
-                  const Quality& quality) {
+bool isTooWideFor(Warp warp, const glm::dmat4& c, const scene::SampleBox& box, const scene::BoxInEye& seen,
+                  double steepness, const Quality& quality) {
+    const double step = steepness * seen.slopeStep;
     if (warp == Warp::points)
-        return scene::footprintOf(c, box, quality.footprintScale, quality.maxFootprint + 1) > quality.maxFootprint ||
-               scene::slopeStepInEye(c, box, steepness) > std::min(quality.maxFootprint, kWidestSlopeStep);
-    if (warp != Warp::splats) return false;
-    return scene::splatRadiusOf(c, box, quality.splatScale, quality.maxSplat + 1) >
-               static_cast<float>(quality.maxSplat) ||
-           scene::slopeStepInEye(c, box, steepness) > 2 * quality.maxSplat;
+        return step > std::min(quality.maxFootprint, kWidestSlopeStep) ||
+               scene::footprintOf(seen.sampleWidth, quality.footprintScale, quality.maxFootprint + 1) >
+                   quality.maxFootprint;
+    return warp == Warp::splats &&
+           (step > 2 * quality.maxSplat || scene::splatRadiusOf(c, box, quality.splatScale, quality.maxSplat + 1) >
+                                               static_cast<float>(quality.maxSplat));
 }
 
 /// What draws samples of a tile besides its surfaces: all of a stand-in's, else those that no surface reaches.
@@ -184,13 +183,13 @@ Reach plainIf(bool isPlain) {
 /// How far a sample reaches in the eye, and whether the tile is plain: points of one pixel; splats of two at most; a
 /// mesh before the eye, of small squares; and of meshes and facets, which ask it square by square or pixel by pixel,
 /// all is of this level.
-void findReach(const SourceView& source, const scene::SampleBox& box, double steepness, const Quality& quality,
-               DrawList::Chosen& chosen) {
+void findReach(const SourceView& source, const scene::SampleBox& box, const scene::BoxInEye& seen, double steepness,
+               const Quality& quality, DrawList::Chosen& chosen) {
     const glm::dmat4& c = source.eyeImageFromSource;
     const bool isWhole = chosen.detail.x == 0.0f && source.share == 1;
     switch (chosen.warp) {
     case Warp::points:
-        chosen.width = widthOfPoints(c, box, steepness, quality, chosen.isStandIn);
+        chosen.width = widthOfPoints(seen, steepness, quality, chosen.isStandIn);
         if (chosen.isOfLone && quality.warp != Warp::points) chosen.width = std::min(chosen.width, kWidestScrapPoint);
         chosen.reach = chosen.width == 1 ? Reach::plain : chosen.width <= kWidestShared ? Reach::any : Reach::wide;
         break;
@@ -201,13 +200,14 @@ void findReach(const SourceView& source, const scene::SampleBox& box, double ste
         break;
     }
     case Warp::mesh:
-        chosen.reach = scene::boxAreaInEye(c, box) > kLargestShared
-                           ? Reach::wide
-                           : plainIf(isWhole && isAllBefore(c, box) &&
-                                     scene::footprintOf(c, box, 1, kWidestPlainSquare + 1) <= kWidestPlainSquare);
+        chosen.reach =
+            seen.area > kLargestShared
+                ? Reach::wide
+                : plainIf(isWhole && isAllBefore(c, box) &&
+                          scene::footprintOf(seen.sampleWidth, 1, kWidestPlainSquare + 1) <= kWidestPlainSquare);
         break;
     case Warp::adaptive:
-        chosen.reach = scene::boxAreaInEye(c, box) > kLargestShared ? Reach::wide : plainIf(isWhole);
+        chosen.reach = seen.area > kLargestShared ? Reach::wide : plainIf(isWhole);
         break;
     }
 }
@@ -274,20 +274,25 @@ void chooseDraws(const SceneIndex& scene, std::span<const ChunkPlace> places, st
                                !(isDetailed && isWhollyWanted(source, boxOf(scene.bounds, number),
                                                               samplePixelsOf(source, isBase, quality)));
         if (source.level > 0 && !isDetailed && !isStandIn) return std::nullopt;
+        const scene::SampleBox box = boxOf(scene.bounds, number);
+        std::optional<vec4> detail = vec4(0);
+        if (isDetailed)
+            detail = detailOf(source, box, samplePixelsOf(source, isBase, quality), source.level == 0 || isStandIn);
+        if (!detail) return std::nullopt;
+        const auto level = scene::orderLevelOf(tile.middle, source.eyeFromCamera, quality.preference);
+        if (!level) return std::nullopt;
+        const scene::BoxInEye seen = scene::boxInEye(source.eyeImageFromSource, box);
         // Where its samples are seen small, squares alone leave no gaps that would be seen.
-        const bool isSmall = isStandIn && footprintOf(source.eyeImageFromSource, boxOf(scene.bounds, number), quality,
-                                                      true) <= kSmallStandIn;
+        const bool isSmall = isStandIn && footprintOf(seen, quality, true) <= kSmallStandIn;
         const auto warpOfTile = [&] {
             if (isSmall) return Warp::points;
             if (isStandIn) return warpOf(tile, Warp::adaptive);
             const Warp warp = warpOf(tile, quality.warp);
             if (quality.drawsSquaresNear && tile.quadCount + tile.facetCount > 0 &&
-                isTooWideFor(quality.warp, source.eyeImageFromSource, boxOf(scene.bounds, number), tile.steepness,
-                             quality))
+                isTooWideFor(quality.warp, source.eyeImageFromSource, box, seen, tile.steepness, quality))
                 return tile.quadCount > 0 ? Warp::mesh : Warp::adaptive; // coarse tiles have one of both
-            const bool isWideScrap =
-                quality.warp == Warp::adaptive && warp == Warp::points &&
-                footprintOf(source.eyeImageFromSource, boxOf(scene.bounds, number), quality, false) > kWidestScrapPoint;
+            const bool isWideScrap = quality.warp == Warp::adaptive && warp == Warp::points &&
+                                     footprintOf(seen, quality, false) > kWidestScrapPoint;
             return isWideScrap ? Warp::mesh : warp;
         };
         Warp warp = warpOfTile();
@@ -295,16 +300,8 @@ void chooseDraws(const SceneIndex& scene, std::span<const ChunkPlace> places, st
         const bool isAllLone = items == 0 && quality.drawsLone && !isStandIn;
         if (isAllLone) warp = Warp::points, items = tile.loneCount;
         if (items == 0) return std::nullopt;
-        std::optional<vec4> detail = vec4(0);
-        if (isDetailed)
-            detail = detailOf(source, boxOf(scene.bounds, number), samplePixelsOf(source, isBase, quality),
-                              source.level == 0 || isStandIn);
-        if (!detail) return std::nullopt;
-        const auto level = scene::orderLevelOf(tile.middle, source.eyeFromCamera, quality.preference);
-        if (!level) return std::nullopt;
         const bool isByArea = quality.preference.areaLevels > 0;
-        const double area =
-            isByArea ? scene::sampleAreaInEye(source.eyeImageFromSource, boxOf(scene.bounds, number)) : 0;
+        const double area = isByArea ? scene::sampleAreaInEye(source.eyeImageFromSource, box) : 0;
         const int behind = isStandIn ? kStandInLevels : isAllLone ? kLoneLevels : 0;
         const int orderLevel =
             std::min(scene::withArea(*level, area, quality.preference) + behind, scene::kMaxOrderLevel);
@@ -316,8 +313,8 @@ void chooseDraws(const SceneIndex& scene, std::span<const ChunkPlace> places, st
                                 .isOfLone = isAllLone,
                                 .warp = warp,
                                 .detail = *detail};
-        if (picturePixels > 0) placeInView(source, tile, boxOf(scene.bounds, number), chosen);
-        findReach(source, boxOf(scene.bounds, number), tile.steepness, quality, chosen);
+        if (picturePixels > 0) placeInView(source, tile, box, chosen);
+        findReach(source, box, seen, tile.steepness, quality, chosen);
         return chosen;
     };
 
@@ -351,7 +348,9 @@ void chooseDraws(const SceneIndex& scene, std::span<const ChunkPlace> places, st
                 chosen->area *= static_cast<float>(tile.loneCount) / static_cast<float>(tile.pointCount);
             }
             // Of what stands by itself nothing is to be closed, and stand-ins are wide enough.
-            findReach(sources[piece.image], boxOf(scene.bounds, chosen->tile), 0, quality, *chosen);
+            const scene::SampleBox box = boxOf(scene.bounds, chosen->tile);
+            const scene::BoxInEye seen = scene::boxInEye(sources[piece.image].eyeImageFromSource, box);
+            findReach(sources[piece.image], box, seen, 0, quality, *chosen);
             add(*chosen);
         }
     });

@@ -1,11 +1,11 @@
 #include "scene/footprint.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
 #include <glm/common.hpp>
-#include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
 namespace scene {
@@ -18,47 +18,40 @@ SampleBox boxOf(const Tile& tile, const Camera& camera) {
             {right + 0.5, bottom + 0.5, static_cast<double>(tile.maxDisparity)}};
 }
 
-double sampleWidthInEye(const glm::dmat4& c, const SampleBox& box) {
+BoxInEye boxInEye(const glm::dmat4& c, const SampleBox& box) {
     const glm::dvec3 cx(c[0]), cy(c[1]), c1(c[2]), cd(c[3]);
-    double widest = 0;
+    constexpr std::size_t kCorners = 8;
+    std::array<double, kCorners> u{}, v{}, perW{}; // side by side, for vector units
+    double nearest = std::numeric_limits<double>::infinity();
+    std::size_t corner = 0;
     for (const double d : {box.least.z, box.most.z})
         for (const double y : {box.least.y, box.most.y})
             for (const double x : {box.least.x, box.most.x}) {
                 const glm::dvec3 h = x * cx + y * cy + c1 + d * cd; // (u w, v w, w)
-                if (h.z <= 0) return std::numeric_limits<double>::infinity();
-                const double perW = 1 / h.z, u = h.x * perW, v = h.y * perW;
-                const double across = std::abs(cx.x - u * cx.z) + std::abs(cy.x - u * cy.z);
-                const double down = std::abs(cx.y - v * cx.z) + std::abs(cy.y - v * cy.z);
-                widest = std::max(widest, std::max(across, down) * perW);
+                u[corner] = h.x, v[corner] = h.y, perW[corner] = h.z;
+                nearest = std::min(nearest, h.z);
+                ++corner;
             }
-    return widest;
-}
-
-double slopeStepInEye(const glm::dmat4& c, const SampleBox& box, double share) {
-    double farthest = 0; // for each unit of disparity
-    for (const double d : {box.least.z, box.most.z})
-        for (const double y : {box.least.y, box.most.y})
-            for (const double x : {box.least.x, box.most.x}) {
-                const glm::dvec3 h = glm::dvec3(c * glm::dvec4(x, y, 1, d));
-                if (h.z <= 0) return std::numeric_limits<double>::infinity();
-                const glm::dvec2 at = glm::dvec2(h) / h.z;
-                farthest = std::max(farthest, glm::length(glm::dvec2(c[3]) - at * c[3].z) / h.z);
-            }
-    return farthest * share * (box.most.z - box.least.z);
-}
-
-double boxAreaInEye(const glm::dmat4& c, const SampleBox& box) {
-    glm::dvec2 least(std::numeric_limits<double>::infinity()), most(-least);
-    for (const double d : {box.least.z, box.most.z})
-        for (const double y : {box.least.y, box.most.y})
-            for (const double x : {box.least.x, box.most.x}) {
-                const glm::dvec3 h =
-                    x * glm::dvec3(c[0]) + y * glm::dvec3(c[1]) + glm::dvec3(c[2]) + d * glm::dvec3(c[3]);
-                if (h.z <= 0) return std::numeric_limits<double>::infinity();
-                const glm::dvec2 at = glm::dvec2(h) * (1 / h.z);
-                least = glm::min(least, at), most = glm::max(most, at);
-            }
-    return (most.x - least.x) * (most.y - least.y);
+    if (nearest <= 0) {
+        constexpr double kInfinite = std::numeric_limits<double>::infinity();
+        return {kInfinite, kInfinite, kInfinite};
+    }
+    for (std::size_t i = 0; i < kCorners; ++i) {
+        perW[i] = 1 / perW[i];
+        u[i] *= perW[i], v[i] *= perW[i];
+    }
+    double widest = 0, farthest = 0; // farthest: squared, for each unit of disparity
+    double left = u[0], right = u[0], top = v[0], bottom = v[0];
+    for (std::size_t i = 0; i < kCorners; ++i) {
+        const double across = std::abs(cx.x - u[i] * cx.z) + std::abs(cy.x - u[i] * cy.z);
+        const double down = std::abs(cx.y - v[i] * cx.z) + std::abs(cy.y - v[i] * cy.z);
+        const double stepX = (cd.x - u[i] * cd.z) * perW[i], stepY = (cd.y - v[i] * cd.z) * perW[i];
+        widest = std::max(widest, std::max(across, down) * perW[i]);
+        farthest = std::max(farthest, stepX * stepX + stepY * stepY);
+        left = std::min(left, u[i]), right = std::max(right, u[i]);
+        top = std::min(top, v[i]), bottom = std::max(bottom, v[i]);
+    }
+    return {widest, std::sqrt(farthest) * (box.most.z - box.least.z), (right - left) * (bottom - top)};
 }
 
 double sampleAreaInEye(const glm::dmat4& c, const SampleBox& box) {
@@ -83,10 +76,10 @@ float splatRadiusOf(const glm::dmat4& c, const SampleBox& box, double scale, int
     return std::clamp(static_cast<float>(radius), kLeastSplat, std::max(static_cast<float>(most), kLeastSplat));
 }
 
-int footprintOf(const glm::dmat4& c, const SampleBox& box, double scale, int maxFootprint) {
+int footprintOf(double sampleWidth, double scale, int maxFootprint) {
     if (maxFootprint <= 1) return 1;
     // A hundredth of a pixel of slack: what is as dense as the screen stays one pixel wide in spite of rounding.
-    const double side = std::ceil(scale * sampleWidthInEye(c, box) - 0.01);
+    const double side = std::ceil(scale * sampleWidth - 0.01);
     return static_cast<int>(std::clamp(side, 1.0, static_cast<double>(maxFootprint)));
 }
 

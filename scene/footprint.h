@@ -16,19 +16,20 @@ struct SampleBox {
 
 SampleBox boxOf(const Tile& tile, const Camera& camera);
 
-/// How wide, in pixels, squares must be so that no hole opens between neighbouring samples of one disparity: the larger
-/// side of the box around a projected source pixel (a parallelogram), at the worst corner of the samples' box. The
-/// projected area alone would not do: at the same area, turned or sheared pixels leave holes. Infinite if the box
-/// reaches behind the eye.
-double sampleWidthInEye(const glm::dmat4& eyeImageFromSourceImage, const SampleBox& box);
-
-/// Pixels by which neighbouring samples stand farther apart than that where the surface slopes, if their disparities
-/// differ by a share of the box' extent, at the worst corner of the box. Infinite if it reaches behind the eye.
-double slopeStepInEye(const glm::dmat4& eyeImageFromSourceImage, const SampleBox& box, double share);
-
-/// Square pixels of the rectangle about all that the samples of a box, and what lies between them, cover in the eye's
-/// plane, beyond the edges of its image, too. Infinite if the box reaches behind the eye.
-double boxAreaInEye(const glm::dmat4& eyeImageFromSourceImage, const SampleBox& box);
+/// How the samples of a box look from an eye, at the worst of its corners. All infinite if it reaches behind the eye.
+struct BoxInEye {
+    /// How wide, in pixels, squares must be so that no hole opens between neighbouring samples of one disparity: the
+    /// larger side of the box around a projected source pixel (a parallelogram). The projected area alone would not do:
+    /// at the same area, turned or sheared pixels leave holes.
+    double sampleWidth = 0;
+    /// Pixels by which neighbouring samples stand farther apart than that where the surface slopes and their
+    /// disparities differ by the box' whole extent; by a share of it they do by that share.
+    double slopeStep = 0;
+    /// Square pixels of the rectangle about all that the samples, and what lies between them, cover in the eye's plane,
+    /// beyond the edges of its image, too.
+    double area = 0;
+};
+BoxInEye boxInEye(const glm::dmat4& eyeImageFromSourceImage, const SampleBox& box);
 
 /// Square pixels that a source pixel covers in the eye's image at the middle of the box: the determinant of the warp's
 /// Jacobian at constant disparity. Infinite behind the eye.
@@ -43,7 +44,8 @@ inline constexpr float kLeastSplat = 0.7071068f;
 /// three: so it is right where camera and eye differ in focal length, too; and the least w of the box, once for all.
 float splatRadiusOf(const glm::dmat4& eyeImageFromSourceImage, const SampleBox& box, double scale, int maxRadius);
 
-/// Side of the square of pixels for the samples of a box: scale times their width, rounded up, from 1 to maxFootprint.
-int footprintOf(const glm::dmat4& eyeImageFromSourceImage, const SampleBox& box, double scale, int maxFootprint);
+/// Side of the square of pixels for samples of some width (BoxInEye): scale times that, rounded up, from 1 to
+/// maxFootprint.
+int footprintOf(double sampleWidth, double scale, int maxFootprint);
 
 } // namespace scene

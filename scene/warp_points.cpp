@@ -11,8 +11,8 @@ void warpPoints(std::span<const TileBlock> blocks, const View& eye, const WarpOp
         [&](const TileBlock& block, const Tile& tile, const glm::dmat4& c, const TileWarp& warp,
             ImageView<std::uint64_t> into) {
             return drawPoints(warp, block.vertices.subspan(tile.firstVertex, tile.pointCount),
-                              footprintOf(c, boxOf(tile, block.camera), static_cast<double>(options.footprintScale),
-                                          options.maxFootprint),
+                              footprintOf(boxInEye(c, boxOf(tile, block.camera)).sampleWidth,
+                                          static_cast<double>(options.footprintScale), options.maxFootprint),
                               into);
         },
         zBuffer);

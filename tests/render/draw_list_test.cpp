@@ -123,10 +123,9 @@ TEST(DrawList, PointsAreSquaresWhereTheSurfaceSlopesByMoreThanThreePixels) {
     for (std::uint32_t i = 0; i < 600; ++i) {
         ResidentTile& tile = many.scene.tiles[i];
         tile.steepness = 0.001 * i, tile.pointCount = 10;
-        steps.push_back(scene::slopeStepInEye(
-            many.sources[0].eyeImageFromSource,
-            {{bounds.xMin[i], bounds.yMin[i], bounds.dMin[i]}, {bounds.xMax[i], bounds.yMax[i], bounds.dMax[i]}},
-            tile.steepness));
+        const scene::SampleBox box{{bounds.xMin[i], bounds.yMin[i], bounds.dMin[i]},
+                                   {bounds.xMax[i], bounds.yMax[i], bounds.dMax[i]}};
+        steps.push_back(tile.steepness * scene::boxInEye(many.sources[0].eyeImageFromSource, box).slopeStep);
     }
     for (const int widest : {2, 4, 8}) {
         Quality quality{.warp = Warp::points};
@@ -152,14 +151,14 @@ TEST(DrawList, PointsOfOnePixelAreTwoWhereSlopesWouldMakeALatticeOfThem) {
         return scene::SampleBox{{bounds.xMin[i], bounds.yMin[i], bounds.dMin[i]},
                                 {bounds.xMax[i], bounds.yMax[i], bounds.dMax[i]}};
     };
-    const double width = scene::sampleWidthInEye(c, boxOfTile(0)); // the same for all: nothing is turned
+    const double width = scene::boxInEye(c, boxOfTile(0)).sampleWidth; // the same for all: nothing is turned
     Quality quality{.warp = Warp::points};
     quality.footprintScale = 1 / width; // one pixel is what is drawn
     int steep = 0;
     for (std::uint32_t i = 0; i < 600; ++i) {
         ResidentTile& tile = many.scene.tiles[i];
         tile.steepness = 0.00019 * i, tile.pointCount = 10;
-        steep += scene::slopeStepInEye(c, boxOfTile(i), tile.steepness) > 1 ? 1 : 0;
+        steep += tile.steepness * scene::boxInEye(c, boxOfTile(i)).slopeStep > 1 ? 1 : 0;
     }
     ASSERT_GT(width, 1.05);
     EXPECT_GT(steep, 50);

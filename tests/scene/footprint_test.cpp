@@ -3,8 +3,11 @@
 #include "scene/view.h"
 #include "tests/scene/random_poses.h"
 
+#include <algorithm>
 #include <cmath>
 
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
 #include <gtest/gtest.h>
 
@@ -29,7 +32,10 @@ TEST(SampleWidth, IsWhatNeighbouringSamplesAreApart) {
         const glm::dvec2 across = (at(x + 1e-3, y) - at(x - 1e-3, y)) / 2e-3,
                          down = (at(x, y + 1e-3) - at(x, y - 1e-3)) / 2e-3;
         const double width = std::max(std::abs(across.x) + std::abs(down.x), std::abs(across.y) + std::abs(down.y));
-        EXPECT_NEAR(sampleWidthInEye(c, {{x, y, d}, {x, y, d}}) / width, 1, 1e-4);
+        const BoxInEye seen = boxInEye(c, {{x, y, d}, {x, y, d}});
+        EXPECT_NEAR(seen.sampleWidth / width, 1, 1e-4);
+        EXPECT_EQ(seen.slopeStep, 0) << "no extent";
+        EXPECT_EQ(seen.area, 0);
     }
     EXPECT_GT(before, 200);
 }
@@ -37,11 +43,45 @@ TEST(SampleWidth, IsWhatNeighbouringSamplesAreApart) {
 TEST(SampleWidth, OfABoxIsTheLargestAndInfiniteBehindTheEye) {
     const Camera camera{100, 100, 53, 53, 50, 50};
     const glm::dmat4 same = eyeImageFromSourceImage({camera, {}}, camera, {});
-    EXPECT_NEAR(sampleWidthInEye(same, {{1, 1, 0}, {90, 90, 5}}), 1, 1e-12);
+    EXPECT_NEAR(boxInEye(same, {{1, 1, 0}, {90, 90, 5}}).sampleWidth, 1, 1e-12);
     // Half a metre nearer: what was 1 m away is twice as large.
     const glm::dmat4 nearer = eyeImageFromSourceImage({camera, {glm::dmat3(1.0), {0, 0, 0.5}}}, camera, {});
-    EXPECT_NEAR(sampleWidthInEye(nearer, {{1, 1, 0.1}, {90, 90, 1}}), 2, 1e-12);
-    EXPECT_TRUE(std::isinf(sampleWidthInEye(nearer, {{1, 1, 0.1}, {90, 90, 2.5}})));
+    EXPECT_NEAR(boxInEye(nearer, {{1, 1, 0.1}, {90, 90, 1}}).sampleWidth, 2, 1e-12);
+    EXPECT_TRUE(std::isinf(boxInEye(nearer, {{1, 1, 0.1}, {90, 90, 2.5}}).sampleWidth));
+}
+
+TEST(BoxInEyeTest, StepAndAreaAreThoseOfItsCorners) {
+    const Camera source{400, 300, 290, 290, 200, 150}, eye{640, 480, 340, 340, 320, 240};
+    RandomPlaces random(2);
+    int before = 0;
+    for (int i = 0; i < 300; ++i) {
+        const View view{eye, random.pose(0.3)};
+        const glm::dmat4 c = eyeImageFromSourceImage(view, source, {});
+        const SampleBox box{{random.between(20, 200), random.between(20, 150), random.between(0.2, 0.4)},
+                            {random.between(201, 380), random.between(151, 280), random.between(0.41, 0.9)}};
+        glm::dvec2 least(1e300), most(-1e300);
+        double step = 0;
+        bool isBehind = false;
+        for (int corner = 0; corner < 8; ++corner) {
+            const glm::dvec3 p(corner & 1 ? box.most.x : box.least.x, corner & 2 ? box.most.y : box.least.y,
+                               corner & 4 ? box.most.z : box.least.z);
+            isBehind = isBehind || (c * glm::dvec4(p.x, p.y, 1, p.z)).z <= 0;
+            const auto at = [&](double d) {
+                const glm::dvec4 h = c * glm::dvec4(p.x, p.y, 1, d);
+                return glm::dvec2(h.x / h.z, h.y / h.z);
+            };
+            least = glm::min(least, at(p.z)), most = glm::max(most, at(p.z));
+            step = std::max(step, glm::length(at(p.z + 1e-7) - at(p.z - 1e-7)) / 2e-7);
+        }
+        const BoxInEye seen = boxInEye(c, box);
+        EXPECT_EQ(std::isinf(seen.area), isBehind);
+        EXPECT_EQ(std::isinf(seen.slopeStep), isBehind);
+        if (isBehind) continue;
+        ++before;
+        EXPECT_NEAR(seen.area / ((most.x - least.x) * (most.y - least.y)), 1, 1e-9);
+        EXPECT_NEAR(seen.slopeStep / (step * (box.most.z - box.least.z)), 1, 1e-4);
+    }
+    EXPECT_GT(before, 30);
 }
 
 } // namespace

@@ -282,7 +282,10 @@ TEST(WarpPoints, FootprintCoversWhatTheSampleCovers) {
     for (const auto& [z, side] : {std::pair{0.0, 1}, {1.0, 2}, {1.4, 4}, {1.7, 7}, {1.95, 8}}) {
         const View eye{camera, {glm::dmat3(1.0), {0, 0, z}}};
         const TileSet set = cutIntoTiles(wall);
-        EXPECT_EQ(footprintOf(eyeImageFromSourceImage(eye, camera, {}), boxOf(set.tiles[7], camera), 1, 8), side)
+        EXPECT_EQ(
+            footprintOf(boxInEye(eyeImageFromSourceImage(eye, camera, {}), boxOf(set.tiles[7], camera)).sampleWidth, 1,
+                        8),
+            side)
             << "from z = " << z;
         const EyeImage seen = warpOne(Way::points, wall, eye, options);
         if (side == 8) continue; // the most that was allowed does not cover
