@@ -65,6 +65,12 @@ std::uint32_t footprintOf(const scene::BoxInEye& seen, const Quality& quality, b
     return static_cast<std::uint32_t>(scene::footprintOf(seen.sampleWidth, scale, most));
 }
 
+/// Pixels that neighbouring samples stand farther apart than they are wide, by a tile's steepness. What does not slope
+/// has none, be it behind the eye.
+double stepOf(const scene::BoxInEye& seen, double steepness) {
+    return steepness > 0 ? steepness * seen.slopeStep : 0;
+}
+
 /// Pixels. Points that are one pixel wide though samples are farther apart than kLatticeWidth (one, and what rounding
 /// may make of it), on a surface that slopes by more than kLeastLatticeStep, leave a lattice of cracks, which the hole
 /// filler cannot tell from a fence. Two pixels wide they leave none.
@@ -73,7 +79,7 @@ constexpr double kLeastLatticeStep = 1, kLatticeWidth = 1.02;
 std::uint32_t widthOfPoints(const scene::BoxInEye& seen, double steepness, const Quality& quality, bool isStandIn) {
     const std::uint32_t width = footprintOf(seen, quality, isStandIn);
     const bool leavesLattice = width == 1 && quality.drawsSquaresNear && quality.maxFootprint > 1 &&
-                               steepness * seen.slopeStep > kLeastLatticeStep && seen.sampleWidth > kLatticeWidth;
+                               stepOf(seen, steepness) > kLeastLatticeStep && seen.sampleWidth > kLatticeWidth;
     return leavesLattice ? 2 : width;
 }
 
@@ -84,7 +90,7 @@ constexpr int kWidestSlopeStep = 3;
 /// Whether points or splats as wide as they may be leave gaps between samples that squares would close.
 bool isTooWideFor(Warp warp, const glm::dmat4& c, const scene::SampleBox& box, const scene::BoxInEye& seen,
                   double steepness, const Quality& quality) {
-    const double step = steepness * seen.slopeStep;
+    const double step = stepOf(seen, steepness);
     if (warp == Warp::points)
         return step > std::min(quality.maxFootprint, kWidestSlopeStep) ||
                scene::footprintOf(seen.sampleWidth, quality.footprintScale, quality.maxFootprint + 1) >
@@ -264,8 +270,8 @@ void chooseDraws(const SceneIndex& scene, std::span<const ChunkPlace> places, st
         const auto finer = scene.finerThan(number);
         return std::any_of(finer.begin(), finer.end(), [&](std::uint32_t chunk) { return !places[chunk].isThere(); });
     };
-    /// How a visible tile is drawn, if it is.
-    const auto choose = [&](std::uint32_t number) -> std::optional<DrawList::Chosen> {
+    /// How a visible tile is drawn, if it is, and how it looks from the eye.
+    const auto choose = [&](std::uint32_t number, scene::BoxInEye& seen) -> std::optional<DrawList::Chosen> {
         const ResidentTile& tile = scene.tiles[number];
         const SourceView& source = sources[tile.image];
         const bool isBase = scene::isForAllEyes(tile.middle.tier);
@@ -281,7 +287,7 @@ void chooseDraws(const SceneIndex& scene, std::span<const ChunkPlace> places, st
         if (!detail) return std::nullopt;
         const auto level = scene::orderLevelOf(tile.middle, source.eyeFromCamera, quality.preference);
         if (!level) return std::nullopt;
-        const scene::BoxInEye seen = scene::boxInEye(source.eyeImageFromSource, box);
+        seen = scene::boxInEye(source.eyeImageFromSource, box);
         // Where its samples are seen small, squares alone leave no gaps that would be seen.
         const bool isSmall = isStandIn && footprintOf(seen, quality, true) <= kSmallStandIn;
         const auto warpOfTile = [&] {
@@ -334,7 +340,8 @@ void chooseDraws(const SceneIndex& scene, std::span<const ChunkPlace> places, st
             list.chosen[list.firstOfPiece[p] + list.counts[p]++] = chosen;
         };
         for (std::uint32_t i = 0; i < visible.counts[p]; ++i) {
-            std::optional<DrawList::Chosen> chosen = choose(visible.slots[piece.first + i]);
+            scene::BoxInEye seen;
+            std::optional<DrawList::Chosen> chosen = choose(visible.slots[piece.first + i], seen);
             if (!chosen) continue;
             add(*chosen);
             const std::optional<Warp> ofSamples = warpBesides(*chosen, scene.tiles[chosen->tile], quality);
@@ -348,9 +355,7 @@ void chooseDraws(const SceneIndex& scene, std::span<const ChunkPlace> places, st
                 chosen->area *= static_cast<float>(tile.loneCount) / static_cast<float>(tile.pointCount);
             }
             // Of what stands by itself nothing is to be closed, and stand-ins are wide enough.
-            const scene::SampleBox box = boxOf(scene.bounds, chosen->tile);
-            const scene::BoxInEye seen = scene::boxInEye(sources[piece.image].eyeImageFromSource, box);
-            findReach(sources[piece.image], box, seen, 0, quality, *chosen);
+            findReach(sources[piece.image], boxOf(scene.bounds, chosen->tile), seen, 0, quality, *chosen);
             add(*chosen);
         }
     });

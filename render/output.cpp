@@ -69,12 +69,21 @@ scene::Image<float> readDepthOutput(const Device& device, const EyeOutput& outpu
     return image;
 }
 
-scene::Image<scene::Rgb8> readOutput(const Device& device, const EyeOutput& output, int width, int height) {
+scene::Image<scene::Rgba8> readOutputAndClasses(const Device& device, const EyeOutput& output, int width, int height) {
     const Buffer buffer = read(device, colourOf(output), width, height);
-    scene::Image<scene::Rgb8> picture(width, height);
+    scene::Image<scene::Rgba8> picture(width, height);
     const auto bytes = buffer.as<std::uint8_t>();
     for (std::size_t i = 0; i < picture.size(); ++i)
-        picture.pixels()[i] = {bytes[4 * i], bytes[4 * i + 1], bytes[4 * i + 2]};
+        picture.pixels()[i] = {bytes[4 * i], bytes[4 * i + 1], bytes[4 * i + 2], bytes[4 * i + 3]};
+    return picture;
+}
+
+scene::Image<scene::Rgb8> readOutput(const Device& device, const EyeOutput& output, int width, int height) {
+    const scene::Image<scene::Rgba8> read = readOutputAndClasses(device, output, width, height);
+    scene::Image<scene::Rgb8> picture(width, height);
+    std::ranges::transform(read.pixels(), picture.pixels().begin(), [](const scene::Rgba8& pixel) {
+        return scene::Rgb8{pixel.r, pixel.g, pixel.b};
+    });
     return picture;
 }
 

@@ -2,7 +2,7 @@
 // Where a finished eye goes besides its own buffers: a layer of somebody else's image, of a headset's or a window's
 // swapchain.
 
-#include "scene/image.h"
+#include "scene/polygon_scene.h"
 
 #include <volk.h>
 
@@ -49,6 +49,8 @@ VkBufferImageCopy copyOf(const OutputLayer& layer, int width, int height);
 /// What such an image's first rows and columns hold once all that was submitted to it is done; it must be made to be a
 /// transfer source as well. Waits: for pictures of single frames.
 scene::Image<scene::Rgb8> readOutput(const Device& device, const EyeOutput& output, int width, int height);
+/// The same with each pixel's class as its fourth byte.
+scene::Image<scene::Rgba8> readOutputAndClasses(const Device& device, const EyeOutput& output, int width, int height);
 scene::Image<float> readDepthOutput(const Device& device, const EyeOutput& output, int width, int height);
 
 } // namespace render

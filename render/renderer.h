@@ -42,7 +42,8 @@ struct EyeCounts {
 struct FrameStats {
     std::uint64_t frame = 0;
     std::vector<StepTime> cpu; ///< wait, cull, choose, unite, list, overlay, record, submit
-    std::vector<StepTime> gpu; ///< clear, warp, polygons, blend, resolve, unseen, rescale, mark, overlay; of the frame
+    std::vector<StepTime> gpu; ///< clear, warp, polygons, blend, resolve, unseen, rescale, mark, overlay, output; of
+                               ///< the frame
                                ///< gpuFrame, empty while none has finished
     std::uint64_t gpuFrame = 0;
     bool isOnePass = false;  ///< the eyes were warped together; their warp is a step of both
@@ -62,13 +63,14 @@ class Renderer {
              const GpuCoverage* coverage = nullptr, const GpuPolygons* polygons = nullptr);
 
     /// Sends a frame to the device. Waits only for the frame two before. The cameras must have the renderer's
-    /// size. outputs: what the finished eyes are drawn into, one each, or none.
+    /// size. outputs: whose part the finished eyes become, one each, or none.
     /// overlay: what is drawn over the scene; costs nothing where there is none.
     FrameStats draw(std::span<const scene::View> eyes, const Quality& quality, std::span<const EyeOutput> outputs = {},
                     const Overlay* overlay = nullptr);
 
     /// Draws a first frame in each of these ways and forgets it: frames are then counted from 0 again. What the device
     /// compiles, reads or makes room for when it first draws so does not hold up a frame in the middle of a walk.
+    /// Not what outputs need: that is made with the first frame that has any.
     void warmUp(std::span<const scene::View> eyes, std::span<const Quality> ways);
 
     /// Waits for the last frame and tells about it, its own times on the device included.

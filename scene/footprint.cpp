@@ -21,7 +21,7 @@ SampleBox boxOf(const Tile& tile, const Camera& camera) {
 BoxInEye boxInEye(const glm::dmat4& c, const SampleBox& box) {
     const glm::dvec3 cx(c[0]), cy(c[1]), c1(c[2]), cd(c[3]);
     constexpr std::size_t kCorners = 8;
-    std::array<double, kCorners> u{}, v{}, perW{}; // side by side, for vector units
+    std::array<double, kCorners> u{}, v{}, perW{}; // of the corners
     double nearest = std::numeric_limits<double>::infinity();
     std::size_t corner = 0;
     for (const double d : {box.least.z, box.most.z})

@@ -23,7 +23,7 @@ struct BoxInEye {
     /// at the same area, turned or sheared pixels leave holes.
     double sampleWidth = 0;
     /// Pixels by which neighbouring samples stand farther apart than that where the surface slopes and their
-    /// disparities differ by the box' whole extent; by a share of it they do by that share.
+    /// disparities differ by the box' whole extent; for a share of it, that share of these.
     double slopeStep = 0;
     /// Square pixels of the rectangle about all that the samples, and what lies between them, cover in the eye's plane,
     /// beyond the edges of its image, too.

@@ -21,6 +21,7 @@ revisit_test(revisit_render_tests WHOLE LABELS gpu TIMEOUT 600 LINKS revisit_ren
         render/points_test.cpp
         render/polygons_test.cpp
         render/reference.cpp
+        render/output_test.cpp
         render/rescale_test.cpp
         render/selection_test.cpp
         render/shared_math_test.cpp

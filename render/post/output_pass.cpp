@@ -17,20 +17,17 @@ bool isFor(const std::optional<OutputPass>& pass, const EyeOutput& output) {
 }
 
 OutputPass makeOutputPass(const Device& device, const EyeTarget& target, const EyeOutput& output) {
-    OutputPass pass{.kind = kindOf(output), .drawing = {}, .copy = {}};
-    if (device.isProcessor())
-        pass.copy = makeOutputCopy(device, target, pass.kind.hasDepth);
-    else
-        pass.drawing = makeOutputDrawing(device, target, pass.kind);
-    return pass;
+    const OutputKind kind = kindOf(output);
+    if (device.isProcessor()) return {kind, makeOutputCopy(device, target, kind.hasDepth)};
+    return {kind, makeOutputDrawing(device, target, kind)};
 }
 
 void recordOutput(VkCommandBuffer commands, const Device& device, OutputPass& pass, std::size_t slot,
                   const PictureSize& picture, const PictureSize& image, const EyeOutput& output) {
-    if (pass.drawing)
-        recordDrawing(commands, device, *pass.drawing, slot, picture, image, output);
+    if (OutputDrawing* const drawing = std::get_if<OutputDrawing>(&pass.way))
+        recordDrawing(commands, device, *drawing, slot, picture, image, output);
     else
-        recordCopy(commands, *pass.copy, picture, image, output);
+        recordCopy(commands, std::get<OutputCopy>(pass.way), picture, image, output);
 }
 
 } // namespace render

@@ -6,14 +6,14 @@
 #include "render/post/output_drawing.h"
 
 #include <optional>
+#include <variant>
 
 namespace render {
 
 /// One eye's.
 struct OutputPass {
     OutputKind kind;
-    std::optional<OutputDrawing> drawing; ///< of the two one is there
-    std::optional<OutputCopy> copy;
+    std::variant<OutputDrawing, OutputCopy> way;
 };
 
 /// Whether it is there, and was made for such images.
@@ -21,8 +21,8 @@ bool isFor(const std::optional<OutputPass>& pass, const EyeOutput& output);
 
 OutputPass makeOutputPass(const Device& device, const EyeTarget& target, const EyeOutput& output);
 
-/// After all else that is done with the picture, and the barrier kAfterResolve. The picture goes into the images' first
-/// rows and columns; where they are larger (`image`), its last row and column are repeated once: who enlarges it
+/// After all else that is done with the picture is finished and visible to transfers. The picture goes into the images'
+/// first rows and columns; where they are larger (`image`), its last row and column are repeated once: who enlarges it
 /// linearly reads half a pixel beyond its edge. The last byte of each pixel is its class. The frame that used this slot
 /// before must have finished.
 void recordOutput(VkCommandBuffer commands, const Device& device, OutputPass& pass, std::size_t slot,

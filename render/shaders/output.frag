@@ -4,6 +4,7 @@
 #extension GL_GOOGLE_include_directive : require
 
 #include "render/shaders/shared/eye_output.h"
+#include "render/shaders/shared/srgb.h"
 
 layout(constant_id = 0) const uint IS_SRGB = 0u;
 layout(constant_id = 1) const uint HAS_DEPTH = 0u;

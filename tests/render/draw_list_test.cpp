@@ -141,6 +141,21 @@ TEST(DrawList, PointsAreSquaresWhereTheSurfaceSlopesByMoreThanThreePixels) {
     }
 }
 
+TEST(DrawList, WhatReachesBehindTheEyeIsSquaresHoweverFlat) {
+    Many many = manyTiles(60);
+    many.sources[0].eyeImageFromSource[2].z = -10; // behind it, all that is not nearer than most
+    for (ResidentTile& tile : many.scene.tiles)
+        tile.steepness = 0, tile.pointCount = 10;
+    for (const Warp warp : {Warp::points, Warp::splats}) {
+        Quality quality{.warp = warp};
+        quality.drawsSquaresNear = true;
+        std::vector<TileDraw> draws;
+        for (const DrawRun& run : listOf(many, quality, draws).runs)
+            EXPECT_EQ(run.warp, Warp::mesh);
+        EXPECT_EQ(draws.size(), 60u);
+    }
+}
+
 TEST(DrawList, PointsOfOnePixelAreTwoWhereSlopesWouldMakeALatticeOfThem) {
     Many many = manyTiles(600);
     const scene::View eye{cameraOf(640, 480, 0.5), {glm::dmat3(1), {0.2, 0, 0}}};

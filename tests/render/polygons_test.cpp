@@ -7,7 +7,6 @@
 #include "render/gpu_polygons.h"
 #include "render/shaders/shared/polygons.h"
 #include "render/warp/polygon_pass.h"
-#include "scene/srgb.h"
 
 #include <array>
 #include <cmath>
@@ -92,13 +91,6 @@ TEST_F(Polygons, AreOfTheirColourInAnEvenSky) {
     const float lean = std::sqrt(0.5f);
     expectNear(colourOf({2, 0, 0}, {0, 2 * lean, 2 * lean}), expected(lean));
     expectNear(colourOf({0, 2 * lean, 2 * lean}, {2, 0, 0}), expected(-lean));
-}
-
-TEST_F(Polygons, AreEncodedAsPicturesAre) {
-    for (int i = 0; i <= 1000; ++i)
-        EXPECT_NEAR(encodedChannel(static_cast<float>(i) / 1000), scene::srgbFromLinear(i / 1000.0), 1e-5) << i;
-    EXPECT_EQ(encodedChannel(-1), 0.0f);
-    EXPECT_NEAR(encodedChannel(7), 1, 1e-6);
 }
 
 TEST_F(Polygons, AndImagesHideEachOtherWhereverTheImagesWereTaken) {

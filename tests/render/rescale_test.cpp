@@ -187,49 +187,6 @@ TEST_F(RescaleTest, WhatIsWrittenOverThePictureIsEnlargedBeforeThat) {
     EXPECT_LE(high, 5);
 }
 
-/// What a display is given of an eye: copied by processors, drawn by cards, in either coding of its bytes.
-void expectOutput(const Device& device, VkFormat format, const CutScene& room, const scene::View& view) {
-    constexpr VkImageUsageFlags kCopied = VK_IMAGE_USAGE_TRANSFER_DST_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT;
-    const DeviceImage image =
-        makeImage(device, 160, 120, format, kCopied | VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT, VK_IMAGE_ASPECT_COLOR_BIT);
-    const DeviceImage depth =
-        makeImage(device, 160, 120, VK_FORMAT_D32_SFLOAT, kCopied | VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT,
-                  VK_IMAGE_ASPECT_DEPTH_BIT);
-    EyeOutput output{.image = image.image, .format = format, .depth = depth.image, .nearMetres = 0.01f};
-    const GpuScene scene(device, room.blocks());
-    Renderer renderer(device, scene, 160, 120, 1);
-    renderer.letDisplayEnlarge(true);
-    for (const auto& [scale, width, height] : {std::tuple{0.37, 59, 44}, {1.0, 160, 120}, {0.999, 160, 120}}) {
-        Quality quality{.warp = Warp::points};
-        quality.resolutionScale = scale;
-        renderer.draw(std::array{view}, quality, std::array{output});
-        const EyeImage own = renderer.readBack()[0];
-        ASSERT_EQ(own.colour.width(), width);
-        const int more = scale < 0.9 ? 1 : 0;
-        const auto given = readOutput(device, output, width + more, height + more);
-        const auto near = readDepthOutput(device, output, width + more, height + more);
-        for (int y = 0; y < height + more; ++y)
-            for (int x = 0; x < width + more; ++x) {
-                const int ownX = std::min(x, width - 1), ownY = std::min(y, height - 1);
-                ASSERT_EQ(given(x, y), own.colour(ownX, ownY)) << x << ", " << y;
-                const float z = own.depthMetres(ownX, ownY);
-                ASSERT_NEAR(near(x, y), z > 0 ? 0.01f / z : 0, 1e-6) << x << ", " << y;
-            }
-    }
-    // Another kind of image, between two frames: without depth.
-    output.depth = VK_NULL_HANDLE;
-    renderer.draw(std::array{view}, {}, std::array{output});
-    EXPECT_EQ(readOutput(device, output, 160, 120), renderer.readBack()[0].colour);
-}
-
-TEST_F(RescaleTest, ADisplayIsGivenThePictureAndTheEdgeOfASmallOneGoesOnByAPixel) {
-    for (const VkFormat format : {VK_FORMAT_R8G8B8A8_SRGB, VK_FORMAT_R8G8B8A8_UNORM})
-        for (const Device* device : {&testDevice(), &cardDevice()}) {
-            SCOPED_TRACE(std::to_string(format) + (device->isProcessor() ? ", copied" : ", drawn"));
-            expectOutput(*device, format, room_, eyeOf(160, 120));
-        }
-}
-
 TEST_F(RescaleTest, ClassAndDepthAreThoseOfOnePixel) {
     Quality quality{.warp = Warp::mesh};
     quality.resolutionScale = 0.4;

@@ -1,10 +1,11 @@
 #include "tests/render/test_device.h"
 
+#include "tests/render/tuning.h"
+
 #include <algorithm>
 #include <cstdlib>
 #include <cstring>
 #include <memory>
-#include <optional>
 #include <string>
 #include <utility>
 
@@ -51,14 +52,8 @@ Device& cardDevice() {
     std::unique_ptr<Device>& device = madeCard();
     if (device) return *device;
     testDevice(); // which makes the layers listen
-    const char* before = std::getenv("REVISIT_TUNING");
-    const std::optional<std::string> kept = before != nullptr ? std::optional<std::string>(before) : std::nullopt;
-    setenv("REVISIT_TUNING", "card", 1);
+    const Tuning tuning("card");
     device = std::make_unique<Device>();
-    if (kept)
-        setenv("REVISIT_TUNING", kept->c_str(), 1);
-    else
-        unsetenv("REVISIT_TUNING");
     return *device;
 }
 

@@ -20,11 +20,6 @@ SHARED_FUNCTION float nearOverDepth(float nearMetres, float zMetres) {
     return zMetres > 0.0f ? min(nearMetres / zMetres, 1.0f) : 0.0f;
 }
 
-/// One channel of a colour, sRGB to linear, 0 to 1: an image whose format is sRGB makes the same byte of it again.
-SHARED_FUNCTION float decodedChannel(float encoded) {
-    return encoded <= 0.04045f ? encoded / 12.92f : pow((encoded + 0.055f) / 1.055f, 2.4f);
-}
-
 SHARED_END
 
 #endif

@@ -7,6 +7,7 @@
 // the keys of the warped samples. Merged, not drawn into them: the order of keys is pushed back for samples that were
 // taken from afar (scene/preference.h), and a polygon must be compared with where they truly are.
 
+#include "render/shaders/shared/srgb.h"
 #include "render/shaders/shared/z_key.h"
 
 SHARED_BEGIN
@@ -32,12 +33,6 @@ static_assert(sizeof(PolygonConstants) == 96 && sizeof(PolygonMergeConstants) ==
 /// Light of an even sky: the same from everywhere, and for both eyes. facingUp: -1 to 1.
 SHARED_FUNCTION float skyLight(float facingUp) {
     return 0.725f + 0.275f * facingUp;
-}
-
-/// One channel of a colour, linear to sRGB, 0 to 1.
-SHARED_FUNCTION float encodedChannel(float linear) {
-    float c = clamp(linear, 0.0f, 1.0f);
-    return c <= 0.0031308f ? 12.92f * c : 1.055f * pow(c, 1.0f / 2.4f) - 0.055f;
 }
 
 /// Whether a polygon stands before what stands in the pixel. depth: near / z, 0 where there is no polygon.
