@@ -124,6 +124,7 @@ void Walk::say(const std::string& notice) {
 
 void Walk::drawFrame(WalkStage& stage, xr::ViewSource& source, const xr::Frame& frame) {
     frameBegan_ = std::chrono::steady_clock::now();
+    if (!std::exchange(wasWarmedUp_, false)) refreshesMissed_ += frame.refreshesMissed;
     advance(stage, source, frame);
     drawSomehow(stage, source, frame);
     xr::Frame shown = frame;
@@ -398,6 +399,7 @@ void Walk::warmUp(render::Renderer& renderer, std::span<const scene::View> eyes)
         renderer.warmUp(eyes, ways);
     } catch (const render::OutOfMemory&) {
     }
+    wasWarmedUp_ = true;
     frameBegan_ = std::chrono::steady_clock::now();
 }
 
@@ -427,6 +429,7 @@ json Walk::reportOf(const WalkStage& stage) const {
     settings.update(toJson(knobs_.quality));
     settings["coverage"] = toJson(stage.coverage());
     if (governed_) settings["governor"] = governed_->report();
+    if (stage.headset() != nullptr) settings["display_refreshes_missed"] = refreshesMissed_;
     return report_.summarise(stage.device(), stage.gpuScene(), std::move(settings));
 }
 

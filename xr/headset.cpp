@@ -10,6 +10,7 @@
 #include <limits>
 #include <string>
 #include <thread>
+#include <utility>
 
 namespace xr {
 
@@ -188,7 +189,7 @@ bool Headset::follow(XrSessionState state) {
         info.type = XR_TYPE_SESSION_BEGIN_INFO;
         info.primaryViewConfigurationType = kStereo;
         check(xrBeginSession(session_, &info), "xrBeginSession");
-        isRunning_ = true;
+        isRunning_ = isFirstOfSession_ = true;
     } else if (state == XR_SESSION_STATE_STOPPING) {
         isRunning_ = false;
         check(xrEndSession(session_), "xrEndSession");
@@ -249,6 +250,7 @@ Frame Headset::beginFrame() {
     state.type = XR_TYPE_FRAME_STATE;
     check(xrWaitFrame(session_, nullptr, &state), "xrWaitFrame");
     check(xrBeginFrame(session_, nullptr), "xrBeginFrame");
+    frame.refreshesMissed = missedBefore(state);
     displayTime_ = state.predictedDisplayTime;
     if (firstTime_ == 0) firstTime_ = displayTime_;
     if (!state.shouldRender) {
@@ -269,6 +271,12 @@ Frame Headset::beginFrame() {
         frame.images[eye].depthLayer = depth_->layer(eye);
     }
     return frame;
+}
+
+int Headset::missedBefore(const XrFrameState& state) {
+    if (std::exchange(isFirstOfSession_, false) || state.predictedDisplayPeriod <= 0) return 0;
+    const auto passed = static_cast<double>(state.predictedDisplayTime - displayTime_);
+    return std::max(0, static_cast<int>(std::lround(passed / static_cast<double>(state.predictedDisplayPeriod))) - 1);
 }
 
 void Headset::locate(Frame& frame) {

@@ -43,6 +43,7 @@ struct Frame {
     int pictureWidth = 0, pictureHeight = 0;
     bool isTracked = true;     ///< false: the poses are the last ones known, or in part
     bool wasRecentred = false; ///< the wearer moved the tracking space: the poses jump
+    int refreshesMissed = 0;   ///< the display showed something older so many times since the frame before
 };
 
 class ViewSource {

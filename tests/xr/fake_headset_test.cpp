@@ -116,6 +116,17 @@ TEST_F(FakeHeadset, KeepsTheLastPlaceWhileTheHeadIsNotTracked) {
     EXPECT_GT(frame->trackingFromHead.translation.y, tracked->trackingFromHead.translation.y);
 }
 
+TEST_F(FakeHeadset, CountsTheRefreshesThatWentByWithoutAFrame) {
+    HeadsetRig rig;
+    for (const auto& [words, missed] : {std::pair{"late", 0}, {"", 0}, {"late", 2}, {"late", 2}, {"", 0}}) {
+        Fake::tell(words);
+        const std::optional<Frame> frame = rig.nextDrawn();
+        ASSERT_TRUE(frame);
+        rig.headset().end(*frame);
+        EXPECT_EQ(frame->refreshesMissed, missed) << "nobody was late for the first frame";
+    }
+}
+
 TEST_F(FakeHeadset, SaysOnceThatItWasRecentred) {
     HeadsetRig rig;
     draw(rig);
