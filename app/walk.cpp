@@ -124,7 +124,9 @@ void Walk::say(const std::string& notice) {
 
 void Walk::drawFrame(WalkStage& stage, xr::ViewSource& source, const xr::Frame& frame) {
     frameBegan_ = std::chrono::steady_clock::now();
-    if (!std::exchange(wasWarmedUp_, false)) refreshesMissed_ += frame.refreshesMissed;
+    if (frame.refreshesMissed)
+        refreshesMissed_ = refreshesMissed_.value_or(0) + (wasWarmedUp_ ? 0 : *frame.refreshesMissed);
+    wasWarmedUp_ = false;
     advance(stage, source, frame);
     drawSomehow(stage, source, frame);
     xr::Frame shown = frame;
@@ -429,7 +431,7 @@ json Walk::reportOf(const WalkStage& stage) const {
     settings.update(toJson(knobs_.quality));
     settings["coverage"] = toJson(stage.coverage());
     if (governed_) settings["governor"] = governed_->report();
-    if (stage.headset() != nullptr) settings["display_refreshes_missed"] = refreshesMissed_;
+    if (refreshesMissed_) settings["display_refreshes_missed"] = *refreshesMissed_;
     return report_.summarise(stage.device(), stage.gpuScene(), std::move(settings));
 }
 

@@ -127,8 +127,8 @@ class Walk {
     double frameSeconds_ = 0, clockOffset_ = 0;
     std::chrono::steady_clock::time_point began_;
     std::size_t frame_ = 0;
-    std::int64_t refreshesMissed_ = 0; ///< of a headset's display
-    bool wasWarmedUp_ = false;         ///< in the frame before, which took long
+    std::optional<std::int64_t> refreshesMissed_; ///< of a headset's display that is known
+    bool wasWarmedUp_ = false;                    ///< in the frame before, which took long
     bool wasTracked_ = true;
     const scene::Coverage* shownUnseen_ = nullptr; ///< null: nothing is
     std::optional<scene::Coverage> coarser_;       ///< as it is drawn, if that is not all of it

@@ -32,7 +32,6 @@ class WalkStage {
     const xr::ViewSource& source() const { return *source_; }
     /// Null if nobody wears one.
     xr::Headset* headset() { return headset_.get(); }
-    const xr::Headset* headset() const { return headset_.get(); }
     input::Actions* actions() { return actions_.get(); }
     /// One that fits the source's pictures; made anew when they have changed their size. The headset's, and one for
     /// those at the desk.

@@ -183,6 +183,14 @@ std::optional<double> Headset::askForRate(double framesPerSecond) {
     }
 }
 
+void Headset::fetchRate() {
+    refreshHertz_.reset();
+    if (!runtime_.has(XR_FB_DISPLAY_REFRESH_RATE_EXTENSION_NAME)) return;
+    const auto get = runtime_.load<PFN_xrGetDisplayRefreshRateFB>("xrGetDisplayRefreshRateFB");
+    float hertz = 0;
+    if (XR_SUCCEEDED(get(session_, &hertz)) && hertz > 0) refreshHertz_ = static_cast<double>(hertz);
+}
+
 bool Headset::follow(XrSessionState state) {
     if (state == XR_SESSION_STATE_READY) {
         XrSessionBeginInfo info{};
@@ -190,6 +198,7 @@ bool Headset::follow(XrSessionState state) {
         info.primaryViewConfigurationType = kStereo;
         check(xrBeginSession(session_, &info), "xrBeginSession");
         isRunning_ = isFirstOfSession_ = true;
+        fetchRate();
     } else if (state == XR_SESSION_STATE_STOPPING) {
         isRunning_ = false;
         check(xrEndSession(session_), "xrEndSession");
@@ -213,6 +222,7 @@ bool Headset::handleEvents() {
 bool Headset::handle(const XrEventDataBuffer& event) {
     if (event.type == XR_TYPE_EVENT_DATA_INSTANCE_LOSS_PENDING) throw Lost("the runtime is going away");
     if (event.type == XR_TYPE_EVENT_DATA_VISIBILITY_MASK_CHANGED_KHR) fetchMasks();
+    if (event.type == XR_TYPE_EVENT_DATA_DISPLAY_REFRESH_RATE_CHANGED_FB) fetchRate();
     if (event.type == XR_TYPE_EVENT_DATA_REFERENCE_SPACE_CHANGE_PENDING) {
         const auto& change = reinterpret_cast<const XrEventDataReferenceSpaceChangePending&>(event);
         if (change.session == session_ && change.referenceSpaceType == trackingType_) recentredAt_ = change.changeTime;
@@ -250,7 +260,7 @@ Frame Headset::beginFrame() {
     state.type = XR_TYPE_FRAME_STATE;
     check(xrWaitFrame(session_, nullptr, &state), "xrWaitFrame");
     check(xrBeginFrame(session_, nullptr), "xrBeginFrame");
-    frame.refreshesMissed = missedBefore(state);
+    frame.refreshesMissed = missedBefore(state.predictedDisplayTime);
     displayTime_ = state.predictedDisplayTime;
     if (firstTime_ == 0) firstTime_ = displayTime_;
     if (!state.shouldRender) {
@@ -273,10 +283,11 @@ Frame Headset::beginFrame() {
     return frame;
 }
 
-int Headset::missedBefore(const XrFrameState& state) {
-    if (std::exchange(isFirstOfSession_, false) || state.predictedDisplayPeriod <= 0) return 0;
-    const auto passed = static_cast<double>(state.predictedDisplayTime - displayTime_);
-    return std::max(0, static_cast<int>(std::lround(passed / static_cast<double>(state.predictedDisplayPeriod))) - 1);
+std::optional<int> Headset::missedBefore(XrTime displayTime) {
+    if (!refreshHertz_) return std::nullopt;
+    if (std::exchange(isFirstOfSession_, false)) return 0;
+    const double seconds = static_cast<double>(displayTime - displayTime_) * 1e-9;
+    return std::max(0, static_cast<int>(std::lround(seconds * *refreshHertz_)) - 1);
 }
 
 void Headset::locate(Frame& frame) {

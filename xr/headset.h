@@ -68,8 +68,10 @@ class Headset final : public ViewSource {
     bool follow(XrSessionState state);
     /// frame: what is shown; null: nothing.
     void endFrame(const Frame* frame);
-    /// Refreshes of the display between two frames of ours, by the time and the period that the runtime foretells.
-    int missedBefore(const XrFrameState& state);
+    void fetchRate();
+    /// Refreshes of the display between two frames of ours, by the times that the runtime foretells. Not by its
+    /// periods: those may be the application's own pace.
+    std::optional<int> missedBefore(XrTime displayTime);
     void locate(Frame& frame);
     /// What is not known stays as it was last.
     void keep(const XrViewState& state, const std::array<XrView, kEyes>& views, const XrSpaceLocation& head);
@@ -82,10 +84,11 @@ class Headset final : public ViewSource {
     std::array<VisibilityMask, kEyes> masks_;
     bool isRunning_ = false, isLost_ = false;
     XrTime displayTime_ = 0, firstTime_ = 0;
-    bool isFirstOfSession_ = true;      ///< the next frame
-    std::optional<XrTime> recentredAt_; ///< from when on the tracking space is another
-    std::array<XrView, kEyes> views_{}; ///< located last
-    XrPosef trackingFromHead_{};        ///< likewise
+    bool isFirstOfSession_ = true;       ///< the next frame
+    std::optional<double> refreshHertz_; ///< of the display, where the runtime says it
+    std::optional<XrTime> recentredAt_;  ///< from when on the tracking space is another
+    std::array<XrView, kEyes> views_{};  ///< located last
+    XrPosef trackingFromHead_{};         ///< likewise
     bool isTracked_ = false;
     bool wasEverTracked_ = false;
 };

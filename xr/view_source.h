@@ -7,6 +7,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 
 #include <volk.h>
 
@@ -43,7 +44,8 @@ struct Frame {
     int pictureWidth = 0, pictureHeight = 0;
     bool isTracked = true;     ///< false: the poses are the last ones known, or in part
     bool wasRecentred = false; ///< the wearer moved the tracking space: the poses jump
-    int refreshesMissed = 0;   ///< the display showed something older so many times since the frame before
+    /// The display showed something older so many times since the frame before; none where nobody knows.
+    std::optional<int> refreshesMissed;
 };
 
 class ViewSource {

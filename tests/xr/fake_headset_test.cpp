@@ -117,6 +117,7 @@ TEST_F(FakeHeadset, KeepsTheLastPlaceWhileTheHeadIsNotTracked) {
 }
 
 TEST_F(FakeHeadset, CountsTheRefreshesThatWentByWithoutAFrame) {
+    Fake::tell("rate");
     HeadsetRig rig;
     for (const auto& [words, missed] : {std::pair{"late", 0}, {"", 0}, {"late", 2}, {"late", 2}, {"", 0}}) {
         Fake::tell(words);
@@ -125,6 +126,14 @@ TEST_F(FakeHeadset, CountsTheRefreshesThatWentByWithoutAFrame) {
         rig.headset().end(*frame);
         EXPECT_EQ(frame->refreshesMissed, missed) << "nobody was late for the first frame";
     }
+}
+
+TEST_F(FakeHeadset, KnowsOfNoRefreshesWhereTheRuntimeSaysNoRate) {
+    HeadsetRig rig;
+    const std::optional<Frame> frame = rig.nextDrawn();
+    ASSERT_TRUE(frame);
+    rig.headset().end(*frame);
+    EXPECT_FALSE(frame->refreshesMissed);
 }
 
 TEST_F(FakeHeadset, SaysOnceThatItWasRecentred) {

@@ -109,8 +109,11 @@ XrResult list(const std::vector<T>& all, std::uint32_t capacity, std::uint32_t* 
 XrResult xrEnumerateInstanceExtensionProperties(const char*, std::uint32_t capacity, std::uint32_t* count,
                                                 XrExtensionProperties* out) {
     std::vector<XrExtensionProperties> all;
-    for (const char* name : {XR_KHR_VULKAN_ENABLE2_EXTENSION_NAME, XR_KHR_COMPOSITION_LAYER_DEPTH_EXTENSION_NAME}) {
-        if (std::strstr(name, "vulkan") != nullptr ? says("no-vulkan") : says("no-depth")) continue;
+    std::vector<const char*> names;
+    if (!says("no-vulkan")) names.push_back(XR_KHR_VULKAN_ENABLE2_EXTENSION_NAME);
+    if (!says("no-depth")) names.push_back(XR_KHR_COMPOSITION_LAYER_DEPTH_EXTENSION_NAME);
+    if (says("rate")) names.push_back(XR_FB_DISPLAY_REFRESH_RATE_EXTENSION_NAME);
+    for (const char* name : names) {
         XrExtensionProperties extension{};
         extension.type = XR_TYPE_EXTENSION_PROPERTIES;
         std::strncpy(extension.extensionName, name, XR_MAX_EXTENSION_NAME_SIZE - 1);
@@ -336,8 +339,13 @@ XrResult xrWaitFrame(XrSession, const XrFrameWaitInfo*, XrFrameState* frame) {
     REVISIT_ASK;
     state.time += says("late") ? 29000000 : 10000000; // no runtime is exact
     frame->predictedDisplayTime = state.time;
-    frame->predictedDisplayPeriod = 10000000;
+    frame->predictedDisplayPeriod = says("late") ? 20000000 : 10000000; // some tell of their own pace then
     frame->shouldRender = XR_TRUE;
+    return XR_SUCCESS;
+}
+
+XrResult xrGetDisplayRefreshRateFB(XrSession, float* hertz) {
+    *hertz = 100;
     return XR_SUCCESS;
 }
 
@@ -454,6 +462,7 @@ XrResult xrGetInstanceProcAddr(XrInstance, const char* name, PFN_xrVoidFunction*
                                                                REVISIT_ROW(xrWaitSwapchainImage),
                                                                REVISIT_ROW(xrReleaseSwapchainImage),
                                                                REVISIT_ROW(xrPollEvent),
+                                                               REVISIT_ROW(xrGetDisplayRefreshRateFB),
                                                                REVISIT_ROW(xrBeginSession),
                                                                REVISIT_ROW(xrRequestExitSession),
                                                                REVISIT_ROW(xrEndSession),
