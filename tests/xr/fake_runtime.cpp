@@ -3,6 +3,8 @@
 //
 //   no-vulkan no-headset no-srgb no-arrays no-depth   what it does not offer or refuses
 //   views=N                                           views of the headset, if not 2
+//   rate                                              it says the display's, 100 Hz
+//   late                                              from frame to frame 29 ms pass instead of 10
 //   untracked                                         the head is nowhere
 //   recentred                                         the space of reference changes with the next event
 //   lose=CALL:session, lose=CALL:instance             what that call answers from now on
@@ -337,7 +339,7 @@ XrResult xrEndSession(XrSession) {
 
 XrResult xrWaitFrame(XrSession, const XrFrameWaitInfo*, XrFrameState* frame) {
     REVISIT_ASK;
-    state.time += says("late") ? 29000000 : 10000000; // no runtime is exact
+    state.time += says("late") ? 29000000 : 10000000;
     frame->predictedDisplayTime = state.time;
     frame->predictedDisplayPeriod = says("late") ? 20000000 : 10000000; // some tell of their own pace then
     frame->shouldRender = XR_TRUE;
@@ -437,48 +439,24 @@ XrResult xrSyncActions(XrSession, const XrActionsSyncInfo*) {
 XrResult xrGetInstanceProcAddr(XrInstance, const char* name, PFN_xrVoidFunction* function) {
 #define REVISIT_ROW(call)                                                                                              \
     { #call, reinterpret_cast < PFN_xrVoidFunction>(call) }
-    static const std::map<std::string, PFN_xrVoidFunction> all{REVISIT_ROW(xrEnumerateInstanceExtensionProperties),
-                                                               REVISIT_ROW(xrGetInstanceProcAddr),
-                                                               REVISIT_ROW(xrCreateInstance),
-                                                               REVISIT_ROW(xrDestroyInstance),
-                                                               REVISIT_ROW(xrGetInstanceProperties),
-                                                               REVISIT_ROW(xrGetSystem),
-                                                               REVISIT_ROW(xrGetSystemProperties),
-                                                               REVISIT_ROW(xrEnumerateViewConfigurationViews),
-                                                               REVISIT_ROW(xrGetVulkanGraphicsRequirements2KHR),
-                                                               REVISIT_ROW(xrCreateVulkanInstanceKHR),
-                                                               REVISIT_ROW(xrGetVulkanGraphicsDevice2KHR),
-                                                               REVISIT_ROW(xrCreateVulkanDeviceKHR),
-                                                               REVISIT_ROW(xrCreateSession),
-                                                               REVISIT_ROW(xrDestroySession),
-                                                               REVISIT_ROW(xrEnumerateReferenceSpaces),
-                                                               REVISIT_ROW(xrCreateReferenceSpace),
-                                                               REVISIT_ROW(xrDestroySpace),
-                                                               REVISIT_ROW(xrEnumerateSwapchainFormats),
-                                                               REVISIT_ROW(xrCreateSwapchain),
-                                                               REVISIT_ROW(xrDestroySwapchain),
-                                                               REVISIT_ROW(xrEnumerateSwapchainImages),
-                                                               REVISIT_ROW(xrAcquireSwapchainImage),
-                                                               REVISIT_ROW(xrWaitSwapchainImage),
-                                                               REVISIT_ROW(xrReleaseSwapchainImage),
-                                                               REVISIT_ROW(xrPollEvent),
-                                                               REVISIT_ROW(xrGetDisplayRefreshRateFB),
-                                                               REVISIT_ROW(xrBeginSession),
-                                                               REVISIT_ROW(xrRequestExitSession),
-                                                               REVISIT_ROW(xrEndSession),
-                                                               REVISIT_ROW(xrWaitFrame),
-                                                               REVISIT_ROW(xrBeginFrame),
-                                                               REVISIT_ROW(xrEndFrame),
-                                                               REVISIT_ROW(xrLocateViews),
-                                                               REVISIT_ROW(xrStringToPath),
-                                                               REVISIT_ROW(xrCreateActionSet),
-                                                               REVISIT_ROW(xrDestroyActionSet),
-                                                               REVISIT_ROW(xrCreateAction),
-                                                               REVISIT_ROW(xrSuggestInteractionProfileBindings),
-                                                               REVISIT_ROW(xrAttachSessionActionSets),
-                                                               REVISIT_ROW(xrCreateActionSpace),
-                                                               REVISIT_ROW(xrSyncActions),
-                                                               REVISIT_ROW(xrLocateSpace)};
+    // clang-format off
+    static const std::map<std::string, PFN_xrVoidFunction> all{
+        REVISIT_ROW(xrEnumerateInstanceExtensionProperties), REVISIT_ROW(xrGetInstanceProcAddr),
+        REVISIT_ROW(xrCreateInstance), REVISIT_ROW(xrDestroyInstance), REVISIT_ROW(xrGetInstanceProperties),
+        REVISIT_ROW(xrGetSystem), REVISIT_ROW(xrGetSystemProperties), REVISIT_ROW(xrEnumerateViewConfigurationViews),
+        REVISIT_ROW(xrGetVulkanGraphicsRequirements2KHR), REVISIT_ROW(xrCreateVulkanInstanceKHR),
+        REVISIT_ROW(xrGetVulkanGraphicsDevice2KHR), REVISIT_ROW(xrCreateVulkanDeviceKHR),
+        REVISIT_ROW(xrCreateSession), REVISIT_ROW(xrDestroySession), REVISIT_ROW(xrEnumerateReferenceSpaces),
+        REVISIT_ROW(xrCreateReferenceSpace), REVISIT_ROW(xrDestroySpace), REVISIT_ROW(xrEnumerateSwapchainFormats),
+        REVISIT_ROW(xrCreateSwapchain), REVISIT_ROW(xrDestroySwapchain), REVISIT_ROW(xrEnumerateSwapchainImages),
+        REVISIT_ROW(xrAcquireSwapchainImage), REVISIT_ROW(xrWaitSwapchainImage), REVISIT_ROW(xrReleaseSwapchainImage),
+        REVISIT_ROW(xrPollEvent), REVISIT_ROW(xrGetDisplayRefreshRateFB), REVISIT_ROW(xrBeginSession),
+        REVISIT_ROW(xrRequestExitSession), REVISIT_ROW(xrEndSession), REVISIT_ROW(xrWaitFrame),
+        REVISIT_ROW(xrBeginFrame), REVISIT_ROW(xrEndFrame), REVISIT_ROW(xrLocateViews), REVISIT_ROW(xrStringToPath),
+        REVISIT_ROW(xrCreateActionSet), REVISIT_ROW(xrDestroyActionSet), REVISIT_ROW(xrCreateAction),
+        REVISIT_ROW(xrSuggestInteractionProfileBindings), REVISIT_ROW(xrAttachSessionActionSets),
+        REVISIT_ROW(xrCreateActionSpace), REVISIT_ROW(xrSyncActions), REVISIT_ROW(xrLocateSpace)};
+    // clang-format on
 #undef REVISIT_ROW
     const auto found = all.find(name);
     *function = found == all.end() ? nullptr : found->second;
