@@ -42,8 +42,8 @@ struct EyeCounts {
 struct FrameStats {
     std::uint64_t frame = 0;
     std::vector<StepTime> cpu; ///< wait, cull, choose, unite, list, overlay, record, submit
-    /// clear, warp, polygons, blend, resolve, unseen, rescale, mark, overlay, output; of the frame gpuFrame, empty while
-    /// none has finished
+    /// clear, warp, polygons, blend, resolve, unseen, rescale, mark, overlay, output; of the frame gpuFrame, empty
+    /// while none has finished
     std::vector<StepTime> gpu;
     std::uint64_t gpuFrame = 0;
     bool isOnePass = false;  ///< the eyes were warped together; their warp is a step of both
