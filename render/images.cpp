@@ -100,16 +100,21 @@ DeviceImage makeImage(const Device& device, int width, int height, VkFormat form
     made.memory = {device, memory};
     check(vkBindImageMemory(device, image, memory, 0));
 
-    VkImageViewCreateInfo viewInfo{};
-    viewInfo.sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO;
-    viewInfo.image = image;
-    viewInfo.viewType = VK_IMAGE_VIEW_TYPE_2D;
-    viewInfo.format = format;
-    viewInfo.subresourceRange = {aspect, 0, levels, 0, 1};
-    VkImageView view = VK_NULL_HANDLE;
-    check(vkCreateImageView(device, &viewInfo, nullptr, &view));
-    made.view = {device, view};
+    made.view = makeImageView(device, image, format, aspect, levels);
     return made;
+}
+
+ImageView makeImageView(const Device& device, VkImage image, VkFormat format, VkImageAspectFlags aspect,
+                        std::uint32_t levels, std::uint32_t layer) {
+    VkImageViewCreateInfo info{};
+    info.sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO;
+    info.image = image;
+    info.viewType = VK_IMAGE_VIEW_TYPE_2D;
+    info.format = format;
+    info.subresourceRange = {aspect, 0, levels, layer, 1};
+    VkImageView view = VK_NULL_HANDLE;
+    check(vkCreateImageView(device, &info, nullptr, &view));
+    return {device, view};
 }
 
 DeviceImage uploadTexture(const Device& device, const scene::Image<scene::Rgba8>& pixels, const std::string& name) {

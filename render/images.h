@@ -25,6 +25,10 @@ DeviceImage makeImage(const Device& device, int width, int height, VkFormat form
                       VkImageAspectFlags aspect, std::uint32_t levels = 1,
                       VkSampleCountFlagBits samples = VK_SAMPLE_COUNT_1_BIT);
 
+/// One layer of somebody's image.
+ImageView makeImageView(const Device& device, VkImage image, VkFormat format, VkImageAspectFlags aspect,
+                        std::uint32_t levels = 1, std::uint32_t layer = 0);
+
 /// sRGB, with all coarser levels, to be sampled. Waits until it is there. Throws scene::Failure if the device has no
 /// textures of that size; `name` says which it is.
 DeviceImage uploadTexture(const Device& device, const scene::Image<scene::Rgba8>& pixels, const std::string& name);

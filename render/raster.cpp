@@ -21,6 +21,20 @@ VkPipelineShaderStageCreateInfo stageOf(VkShaderStageFlagBits stage, VkShaderMod
 
 } // namespace
 
+VkAttachmentDescription attachmentOf(VkFormat format, VkSampleCountFlagBits samples, VkAttachmentLoadOp atFirst,
+                                     VkImageLayout finalLayout) {
+    VkAttachmentDescription attachment{};
+    attachment.format = format;
+    attachment.samples = samples;
+    attachment.loadOp = atFirst;
+    attachment.storeOp = VK_ATTACHMENT_STORE_OP_STORE;
+    attachment.stencilLoadOp = VK_ATTACHMENT_LOAD_OP_DONT_CARE;
+    attachment.stencilStoreOp = VK_ATTACHMENT_STORE_OP_DONT_CARE;
+    attachment.initialLayout = VK_IMAGE_LAYOUT_UNDEFINED;
+    attachment.finalLayout = finalLayout;
+    return attachment;
+}
+
 RenderPass makeRenderPass(const Device& device, const RasterTargets& targets) {
     const bool hasDepth = targets.depth.format != VK_FORMAT_UNDEFINED;
     const std::array attachments{targets.colour, targets.depth};

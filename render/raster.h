@@ -14,6 +14,10 @@ class Device;
 using RenderPass = Handle<VkRenderPass, &vkDestroyRenderPass>;
 using Framebuffer = Handle<VkFramebuffer, &vkDestroyFramebuffer>;
 
+/// What it held is lost; its pixels are kept.
+VkAttachmentDescription attachmentOf(VkFormat format, VkSampleCountFlagBits samples, VkAttachmentLoadOp atFirst,
+                                     VkImageLayout finalLayout);
+
 /// One subpass. colour and depth are attachments 0 and 1; depth's format may be undefined: then there is none.
 struct RasterTargets {
     VkAttachmentDescription colour{}, depth{};

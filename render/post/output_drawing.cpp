@@ -1,6 +1,5 @@
 #include "render/post/output_drawing.h"
 
-#include "render/check.h"
 #include "render/device.h"
 #include "render/shaders/shared/eye_output.h"
 #include "spirv/output.frag.h"
@@ -14,19 +13,6 @@ namespace {
 
 constexpr std::array kPictureBindings{Binding::storage, Binding::storage};
 
-/// All of what is drawn over is written.
-VkAttachmentDescription attachmentOf(VkFormat format, VkImageLayout finalLayout) {
-    VkAttachmentDescription attachment{};
-    attachment.format = format;
-    attachment.samples = VK_SAMPLE_COUNT_1_BIT;
-    attachment.loadOp = attachment.stencilLoadOp = VK_ATTACHMENT_LOAD_OP_DONT_CARE;
-    attachment.storeOp = VK_ATTACHMENT_STORE_OP_STORE;
-    attachment.stencilStoreOp = VK_ATTACHMENT_STORE_OP_DONT_CARE;
-    attachment.initialLayout = VK_IMAGE_LAYOUT_UNDEFINED;
-    attachment.finalLayout = finalLayout;
-    return attachment;
-}
-
 RenderPass makeOutputRenderPass(const Device& device, const OutputKind& kind) {
     constexpr VkPipelineStageFlags kDrawing =
         VK_PIPELINE_STAGE_FRAGMENT_SHADER_BIT | VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT |
@@ -34,9 +20,12 @@ RenderPass makeOutputRenderPass(const Device& device, const OutputKind& kind) {
     constexpr VkAccessFlags kWrites = VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT |
                                       VK_ACCESS_DEPTH_STENCIL_ATTACHMENT_READ_BIT |
                                       VK_ACCESS_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT;
-    RasterTargets targets{.colour = attachmentOf(kind.format, kind.layout)};
-    if (kind.hasDepth)
-        targets.depth = attachmentOf(VK_FORMAT_D32_SFLOAT, VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL);
+    // All of what is drawn over is written.
+    const auto written = [](VkFormat format, VkImageLayout layout) {
+        return attachmentOf(format, VK_SAMPLE_COUNT_1_BIT, VK_ATTACHMENT_LOAD_OP_DONT_CARE, layout);
+    };
+    RasterTargets targets{.colour = written(kind.format, kind.layout)};
+    if (kind.hasDepth) targets.depth = written(VK_FORMAT_D32_SFLOAT, VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL);
     // After whatever the owner did with the images before we were given them.
     targets.before.srcStageMask = VK_PIPELINE_STAGE_ALL_COMMANDS_BIT;
     targets.before.srcAccessMask = VK_ACCESS_SHADER_WRITE_BIT;
@@ -48,27 +37,17 @@ RenderPass makeOutputRenderPass(const Device& device, const OutputKind& kind) {
     return makeRenderPass(device, targets);
 }
 
-ImageView viewOf(const Device& device, VkImage image, VkFormat format, VkImageAspectFlags aspect, std::uint32_t layer) {
-    VkImageViewCreateInfo info{};
-    info.sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO;
-    info.image = image;
-    info.viewType = VK_IMAGE_VIEW_TYPE_2D;
-    info.format = format;
-    info.subresourceRange = {aspect, 0, 1, layer, 1};
-    VkImageView view = VK_NULL_HANDLE;
-    check(vkCreateImageView(device, &info, nullptr, &view));
-    return {device, view};
-}
-
-OutputDrawing::Views viewsOf(const Device& device, const OutputDrawing& drawing, const PictureSize& image,
+OutputDrawing::Views viewsOf(const Device& device, VkRenderPass renderPass, const PictureSize& image,
                              const EyeOutput& output) {
+    const bool hasDepth = output.depth != VK_NULL_HANDLE;
     OutputDrawing::Views views;
-    views.colour = viewOf(device, output.image, output.format, VK_IMAGE_ASPECT_COLOR_BIT, output.layer);
-    if (drawing.kind.hasDepth)
-        views.depth = viewOf(device, output.depth, VK_FORMAT_D32_SFLOAT, VK_IMAGE_ASPECT_DEPTH_BIT, output.depthLayer);
+    views.colour = makeImageView(device, output.image, output.format, VK_IMAGE_ASPECT_COLOR_BIT, 1, output.layer);
+    if (hasDepth)
+        views.depth =
+            makeImageView(device, output.depth, VK_FORMAT_D32_SFLOAT, VK_IMAGE_ASPECT_DEPTH_BIT, 1, output.depthLayer);
     const std::array<VkImageView, 2> both{views.colour, views.depth};
-    views.framebuffer = makeFramebuffer(
-        device, drawing.renderPass, std::span(both).first(drawing.kind.hasDepth ? 2 : 1), image.width, image.height);
+    views.framebuffer =
+        makeFramebuffer(device, renderPass, std::span(both).first(hasDepth ? 2 : 1), image.width, image.height);
     return views;
 }
 
@@ -76,7 +55,6 @@ OutputDrawing::Views viewsOf(const Device& device, const OutputDrawing& drawing,
 
 OutputDrawing makeOutputDrawing(const Device& device, const EyeTarget& target, const OutputKind& kind) {
     OutputDrawing drawing;
-    drawing.kind = kind;
     drawing.renderPass = makeOutputRenderPass(device, kind);
     const VkDescriptorSetLayout set = makeSetLayout(device, kPictureBindings, VK_SHADER_STAGE_FRAGMENT_BIT);
     drawing.layout =
@@ -98,7 +76,7 @@ void recordDrawing(VkCommandBuffer commands, const Device& device, OutputDrawing
                    const PictureSize& picture, const PictureSize& image, const EyeOutput& output) {
     OutputDrawing::Views& views = drawing.views[slot];
     views = {};
-    views = viewsOf(device, drawing, image, output);
+    views = viewsOf(device, drawing.renderPass, image, output);
     beginRaster(commands, drawing.renderPass, views.framebuffer, drawing.pipeline,
                 std::min(picture.width + 1, image.width), std::min(picture.height + 1, image.height));
     vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, drawing.layout, 0, 1, &drawing.set, 0, nullptr);

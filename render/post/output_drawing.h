@@ -21,7 +21,6 @@ struct OutputKind {
 
 /// One eye's.
 struct OutputDrawing {
-    OutputKind kind;
     RenderPass renderPass;
     PipelineLayout layout;
     Pipeline pipeline;

@@ -27,19 +27,6 @@ VkSampleCountFlagBits flagOf(int samples) {
     return static_cast<VkSampleCountFlagBits>(samples);
 }
 
-VkAttachmentDescription attachmentOf(VkFormat format, int samples, VkImageLayout finalLayout) {
-    VkAttachmentDescription attachment{};
-    attachment.format = format;
-    attachment.samples = flagOf(samples);
-    attachment.loadOp = VK_ATTACHMENT_LOAD_OP_CLEAR;
-    attachment.storeOp = VK_ATTACHMENT_STORE_OP_STORE;
-    attachment.stencilLoadOp = VK_ATTACHMENT_LOAD_OP_DONT_CARE;
-    attachment.stencilStoreOp = VK_ATTACHMENT_STORE_OP_DONT_CARE;
-    attachment.initialLayout = VK_IMAGE_LAYOUT_UNDEFINED;
-    attachment.finalLayout = finalLayout;
-    return attachment;
-}
-
 /// The picture of the frame before has been merged when this one is cleared, and is whole when it is merged.
 RenderPass makePolygonRenderPass(const Device& device, int samples) {
     constexpr VkPipelineStageFlags kDrawing = VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT |
@@ -48,8 +35,10 @@ RenderPass makePolygonRenderPass(const Device& device, int samples) {
     constexpr VkAccessFlags kWrites = VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT |
                                       VK_ACCESS_DEPTH_STENCIL_ATTACHMENT_READ_BIT |
                                       VK_ACCESS_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT;
-    RasterTargets targets{.colour = attachmentOf(kColourFormat, samples, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL),
-                          .depth = attachmentOf(kDepthFormat, samples, kReadDepth)};
+    RasterTargets targets{.colour = attachmentOf(kColourFormat, flagOf(samples), VK_ATTACHMENT_LOAD_OP_CLEAR,
+                                                 VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL),
+                          .depth =
+                              attachmentOf(kDepthFormat, flagOf(samples), VK_ATTACHMENT_LOAD_OP_CLEAR, kReadDepth)};
     targets.before.srcStageMask = VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | kDrawing;
     targets.before.srcAccessMask = VK_ACCESS_SHADER_READ_BIT | kWrites;
     targets.before.dstStageMask = targets.after.srcStageMask = kDrawing;
