@@ -189,8 +189,8 @@ Reach plainIf(bool isPlain) {
 /// How far a sample reaches in the eye, and whether the tile is plain: points of one pixel; splats of two at most; a
 /// mesh before the eye, of small squares; and of meshes and facets, which ask it square by square or pixel by pixel,
 /// all is of this level.
-void findReach(const SourceView& source, const scene::SampleBox& box, const scene::BoxInEye& seen, double steepness,
-               const Quality& quality, DrawList::Chosen& chosen) {
+void findReach(const SourceView& source, const scene::SampleBox& box, const scene::BoxInEye& seen,
+               std::uint32_t placeBits, double steepness, const Quality& quality, DrawList::Chosen& chosen) {
     const glm::dmat4& c = source.eyeImageFromSource;
     const bool isWhole = chosen.detail.x == 0.0f && source.share == 1;
     switch (chosen.warp) {
@@ -200,18 +200,22 @@ void findReach(const SourceView& source, const scene::SampleBox& box, const scen
         chosen.reach = chosen.width == 1 ? Reach::plain : chosen.width <= kWidestShared ? Reach::any : Reach::wide;
         break;
     case Warp::splats: {
-        const float radius = scene::splatRadiusOf(c, box, quality.splatScale, quality.maxSplat);
+        const float radius =
+            scene::splatRadiusOf(c, scene::typicalOf(box, placeBits), quality.splatScale, quality.maxSplat);
         chosen.width = glm::floatBitsToUint(radius);
         chosen.reach = plainIf(coversTwoAtMost(radius));
         break;
     }
-    case Warp::mesh:
+    case Warp::mesh: {
+        // Of scraps, too, what none of them may pass.
+        const scene::BoxInEye whole = placeBits == scene::kScrapPlaceBits ? scene::boxInEye(c, box) : seen;
         chosen.reach =
-            seen.area > kLargestShared
+            whole.area > kLargestShared
                 ? Reach::wide
                 : plainIf(isWhole && isAllBefore(c, box) &&
-                          scene::footprintOf(seen.sampleWidth, 1, kWidestPlainSquare + 1) <= kWidestPlainSquare);
+                          scene::footprintOf(whole.sampleWidth, 1, kWidestPlainSquare + 1) <= kWidestPlainSquare);
         break;
+    }
     case Warp::adaptive:
         chosen.reach = seen.area > kLargestShared ? Reach::wide : plainIf(isWhole);
         break;
@@ -287,7 +291,8 @@ void chooseDraws(const SceneIndex& scene, std::span<const ChunkPlace> places, st
         if (!detail) return std::nullopt;
         const auto level = scene::orderLevelOf(tile.middle, source.eyeFromCamera, quality.preference);
         if (!level) return std::nullopt;
-        seen = scene::boxInEye(source.eyeImageFromSource, box);
+        const scene::SampleBox typical = scene::typicalOf(box, tile.placeBits);
+        seen = scene::boxInEye(source.eyeImageFromSource, typical);
         // Where its samples are seen small, squares alone leave no gaps that would be seen.
         const bool isSmall = isStandIn && footprintOf(seen, quality, true) <= kSmallStandIn;
         const auto warpOfTile = [&] {
@@ -295,7 +300,7 @@ void chooseDraws(const SceneIndex& scene, std::span<const ChunkPlace> places, st
             if (isStandIn) return warpOf(tile, Warp::adaptive);
             const Warp warp = warpOf(tile, quality.warp);
             if (quality.drawsSquaresNear && tile.quadCount + tile.facetCount > 0 &&
-                isTooWideFor(quality.warp, source.eyeImageFromSource, box, seen, tile.steepness, quality))
+                isTooWideFor(quality.warp, source.eyeImageFromSource, typical, seen, tile.steepness, quality))
                 return tile.quadCount > 0 ? Warp::mesh : Warp::adaptive; // coarse tiles have one of both
             const bool isWideScrap = quality.warp == Warp::adaptive && warp == Warp::points &&
                                      footprintOf(seen, quality, false) > kWidestScrapPoint;
@@ -320,7 +325,7 @@ void chooseDraws(const SceneIndex& scene, std::span<const ChunkPlace> places, st
                                 .warp = warp,
                                 .detail = *detail};
         if (picturePixels > 0) placeInView(source, tile, box, chosen);
-        findReach(source, box, seen, tile.steepness, quality, chosen);
+        findReach(source, box, seen, tile.placeBits, tile.steepness, quality, chosen);
         return chosen;
     };
 
@@ -355,7 +360,8 @@ void chooseDraws(const SceneIndex& scene, std::span<const ChunkPlace> places, st
                 chosen->area *= static_cast<float>(tile.loneCount) / static_cast<float>(tile.pointCount);
             }
             // Of what stands by itself nothing is to be closed, and stand-ins are wide enough.
-            findReach(sources[piece.image], boxOf(scene.bounds, chosen->tile), seen, 0, quality, *chosen);
+            findReach(sources[piece.image], boxOf(scene.bounds, chosen->tile), seen, tile.placeBits, 0, quality,
+                      *chosen);
             add(*chosen);
         }
     });

@@ -18,6 +18,12 @@ SampleBox boxOf(const Tile& tile, const Camera& camera) {
             {right + 0.5, bottom + 0.5, static_cast<double>(tile.maxDisparity)}};
 }
 
+SampleBox typicalOf(const SampleBox& box, std::uint32_t placeBits) {
+    if (placeBits != kScrapPlaceBits) return box;
+    const glm::dvec3 middle = 0.5 * (box.least + box.most);
+    return {middle, middle};
+}
+
 BoxInEye boxInEye(const glm::dmat4& c, const SampleBox& box) {
     const glm::dvec3 cx(c[0]), cy(c[1]), c1(c[2]), cd(c[3]);
     constexpr std::size_t kCorners = 8;

@@ -16,6 +16,11 @@ struct SampleBox {
 
 SampleBox boxOf(const Tile& tile, const Camera& camera);
 
+/// What of a tile's box says how wide its samples are seen: all of it; of scraps, which stand here and there in a box
+/// of hundreds of samples and any disparity, the middle. Hardly one of them is near a corner of it, and the nearest
+/// corner is often behind an eye that sees them small.
+SampleBox typicalOf(const SampleBox& box, std::uint32_t placeBits);
+
 /// How the samples of a box look from an eye, at the worst of its corners. All infinite if it reaches behind the eye.
 struct BoxInEye {
     /// How wide, in pixels, squares must be so that no hole opens between neighbouring samples of one disparity: the

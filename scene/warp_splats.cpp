@@ -72,8 +72,8 @@ void warpSplats(std::span<const TileBlock> blocks, const View& eye, const WarpOp
         blocks, eye, options.preference, &Tile::pointCount,
         [&](const TileBlock& block, const Tile& tile, const glm::dmat4& c, const TileWarp& warp,
             ImageView<std::uint64_t> into) {
-            const float radius =
-                splatRadiusOf(c, boxOf(tile, block.camera), static_cast<double>(options.splatScale), options.maxSplat);
+            const float radius = splatRadiusOf(c, typicalOf(boxOf(tile, block.camera), tile.placeBits),
+                                               static_cast<double>(options.splatScale), options.maxSplat);
             return drawTileSplats(block, tile, warp, radius, into);
         },
         zBuffer);

@@ -156,6 +156,36 @@ TEST(DrawList, WhatReachesBehindTheEyeIsSquaresHoweverFlat) {
     }
 }
 
+/// Scraps of any disparity from nought on to that, which an eye 0.2 m before their camera looks at.
+Many scrapsUpTo(double disparity) {
+    Many many = manyTiles(60);
+    for (std::uint32_t i = 0; i < 60; ++i) {
+        ResidentTile& tile = many.scene.tiles[i];
+        tile.placeBits = scene::kScrapPlaceBits, tile.pointCount = 10;
+        many.scene.bounds.dMin[i] = 0, many.scene.bounds.dMax[i] = static_cast<float>(disparity);
+    }
+    return many;
+}
+
+TEST(DrawList, ScrapsThatReachBehindTheEyeAreDrawnAsTheirMiddleIsSeen) {
+    // At 5 they are beside the eye: middles at 3 and 4.95 are seen 0.8 and 30 pixels wide.
+    for (const Warp warp : {Warp::points, Warp::splats, Warp::adaptive}) {
+        Quality quality{.warp = warp};
+        quality.drawsSquaresNear = true;
+        std::vector<TileDraw> draws;
+        const Warp small = warp == Warp::adaptive ? Warp::points : warp;
+        for (const DrawRun& run : listOf(scrapsUpTo(6), quality, draws).runs)
+            EXPECT_TRUE(run.warp == small && run.reach != Reach::wide);
+        EXPECT_EQ(draws.size(), 60u);
+        for (const DrawRun& run : listOf(scrapsUpTo(9.9), quality, draws).runs)
+            EXPECT_TRUE(run.warp == Warp::mesh && run.reach == Reach::wide) << "the nearest may cover the picture";
+        EXPECT_EQ(draws.size(), 60u);
+    }
+    std::vector<TileDraw> draws;
+    for (const DrawRun& run : listOf(scrapsUpTo(6), {.warp = Warp::mesh}, draws).runs)
+        EXPECT_EQ(run.reach, Reach::wide) << "whatever their middle";
+}
+
 TEST(DrawList, PointsOfOnePixelAreTwoWhereSlopesWouldMakeALatticeOfThem) {
     Many many = manyTiles(600);
     const scene::View eye{cameraOf(640, 480, 0.5), {glm::dmat3(1), {0.2, 0, 0}}};

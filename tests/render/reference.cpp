@@ -54,10 +54,14 @@ int footprintOf(const scene::TileBlock& block, const scene::View& view, const sc
     const double right = std::min(tile.x0 + tile.width, block.camera.width - 1) + 0.5;
     const double bottom = std::min(tile.y0 + tile.height, block.camera.height - 1) + 0.5;
     double width = 0;
-    for (const double x : {tile.x0 + 0.5, right})
-        for (const double y : {tile.y0 + 0.5, bottom})
-            for (const float d : {tile.minDisparity, tile.maxDisparity})
-                width = std::max(width, widthAt(block, view, x, y, d));
+    if (tile.placeBits == scene::kScrapPlaceBits)
+        width = widthAt(block, view, (tile.x0 + 0.5 + right) / 2, (tile.y0 + 0.5 + bottom) / 2,
+                        (double{tile.minDisparity} + double{tile.maxDisparity}) / 2);
+    else
+        for (const double x : {tile.x0 + 0.5, right})
+            for (const double y : {tile.y0 + 0.5, bottom})
+                for (const float d : {tile.minDisparity, tile.maxDisparity})
+                    width = std::max(width, widthAt(block, view, x, y, d));
     return static_cast<int>(std::clamp(std::ceil(width - 0.01), 1.0, static_cast<double>(maxFootprint)));
 }
 

@@ -50,6 +50,15 @@ TEST(SampleWidth, OfABoxIsTheLargestAndInfiniteBehindTheEye) {
     EXPECT_TRUE(std::isinf(boxInEye(nearer, {{1, 1, 0.1}, {90, 90, 2.5}}).sampleWidth));
 }
 
+TEST(SampleWidth, OfScrapsIsThatOfTheMiddleOfTheirBox) {
+    const SampleBox box{{10, 20, 0.5}, {30, 60, 1.5}};
+    EXPECT_EQ(typicalOf(box, kPlaceBits).least, box.least);
+    EXPECT_EQ(typicalOf(box, kPlaceBits).most, box.most);
+    const SampleBox ofScraps = typicalOf(box, kScrapPlaceBits);
+    EXPECT_EQ(ofScraps.least, glm::dvec3(20, 40, 1));
+    EXPECT_EQ(ofScraps.most, ofScraps.least);
+}
+
 TEST(BoxInEyeTest, StepAndAreaAreThoseOfItsCorners) {
     const Camera source{400, 300, 290, 290, 200, 150}, eye{640, 480, 340, 340, 320, 240};
     RandomPlaces random(2);
