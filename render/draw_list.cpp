@@ -186,9 +186,9 @@ Reach plainIf(bool isPlain) {
     return isPlain ? Reach::plain : Reach::any;
 }
 
-/// How far a sample reaches in the eye, and whether the tile is plain: points of one pixel; splats of two at most; a
+/// How far a sample reaches in the eye, and what the tile needs. Plain: points of one pixel; splats of two at most; a
 /// mesh before the eye, of small squares; and of meshes and facets, which ask it square by square or pixel by pixel,
-/// all is of this level.
+/// all is of this level. Small: points of two pixels, and such a mesh where some is of another level.
 void findReach(const SourceView& source, const scene::SampleBox& box, const scene::BoxInEye& seen,
                std::uint32_t placeBits, double steepness, const Quality& quality, DrawList::Chosen& chosen) {
     const glm::dmat4& c = source.eyeImageFromSource;
@@ -197,7 +197,10 @@ void findReach(const SourceView& source, const scene::SampleBox& box, const scen
     case Warp::points:
         chosen.width = widthOfPoints(seen, steepness, quality, chosen.isStandIn);
         if (chosen.isOfLone && quality.warp != Warp::points) chosen.width = std::min(chosen.width, kWidestScrapPoint);
-        chosen.reach = chosen.width == 1 ? Reach::plain : chosen.width <= kWidestShared ? Reach::any : Reach::wide;
+        chosen.reach = chosen.width == 1               ? Reach::plain
+                       : chosen.width == 2             ? Reach::small
+                       : chosen.width <= kWidestShared ? Reach::any
+                                                       : Reach::wide;
         break;
     case Warp::splats: {
         const float radius =
@@ -209,11 +212,12 @@ void findReach(const SourceView& source, const scene::SampleBox& box, const scen
     case Warp::mesh: {
         // Of scraps, too, what none of them may pass.
         const scene::BoxInEye whole = placeBits == scene::kScrapPlaceBits ? scene::boxInEye(c, box) : seen;
-        chosen.reach =
-            whole.area > kLargestShared
-                ? Reach::wide
-                : plainIf(isWhole && isAllBefore(c, box) &&
-                          scene::footprintOf(whole.sampleWidth, 1, kWidestPlainSquare + 1) <= kWidestPlainSquare);
+        const bool isSmall = isAllBefore(c, box) &&
+                             scene::footprintOf(whole.sampleWidth, 1, kWidestPlainSquare + 1) <= kWidestPlainSquare;
+        chosen.reach = whole.area > kLargestShared ? Reach::wide
+                       : !isSmall                  ? Reach::any
+                       : isWhole                   ? Reach::plain
+                                                   : Reach::small;
         break;
     }
     case Warp::adaptive:
@@ -291,8 +295,7 @@ void chooseDraws(const SceneIndex& scene, std::span<const ChunkPlace> places, st
         if (!detail) return std::nullopt;
         const auto level = scene::orderLevelOf(tile.middle, source.eyeFromCamera, quality.preference);
         if (!level) return std::nullopt;
-        const scene::SampleBox typical = scene::typicalOf(box, tile.placeBits);
-        seen = scene::boxInEye(source.eyeImageFromSource, typical);
+        seen = scene::typicalInEye(source.eyeImageFromSource, box, tile.placeBits);
         // Where its samples are seen small, squares alone leave no gaps that would be seen.
         const bool isSmall = isStandIn && footprintOf(seen, quality, true) <= kSmallStandIn;
         const auto warpOfTile = [&] {
@@ -300,7 +303,8 @@ void chooseDraws(const SceneIndex& scene, std::span<const ChunkPlace> places, st
             if (isStandIn) return warpOf(tile, Warp::adaptive);
             const Warp warp = warpOf(tile, quality.warp);
             if (quality.drawsSquaresNear && tile.quadCount + tile.facetCount > 0 &&
-                isTooWideFor(quality.warp, source.eyeImageFromSource, typical, seen, tile.steepness, quality))
+                isTooWideFor(quality.warp, source.eyeImageFromSource, scene::typicalOf(box, tile.placeBits), seen,
+                             tile.steepness, quality))
                 return tile.quadCount > 0 ? Warp::mesh : Warp::adaptive; // coarse tiles have one of both
             const bool isWideScrap = quality.warp == Warp::adaptive && warp == Warp::points &&
                                      footprintOf(seen, quality, false) > kWidestScrapPoint;

@@ -12,9 +12,9 @@
 
 namespace render {
 
-/// How much of their warp tiles need (findReach in draw_list.cpp): no more than most do, anything, or so many pixels
-/// that a processor must deal them out (shaders/shared/large_part.h).
-enum class Reach : std::uint8_t { plain, any, wide };
+/// How much of their warp tiles need (findReach in draw_list.cpp): no more than most do, little more (points and meshes
+/// alone), anything, or so many pixels that a processor must deal them out (shaders/shared/large_part.h).
+enum class Reach : std::uint8_t { plain, small, any, wide };
 
 /// Consecutive draws from one page by one shader.
 struct DrawRun {

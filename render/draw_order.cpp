@@ -16,23 +16,23 @@ namespace render {
 
 namespace {
 
-constexpr std::uint32_t kBatches = 8;
+constexpr std::uint32_t kBatches = 3;
 constexpr std::array kWarpsInOrder{Warp::adaptive, Warp::mesh, Warp::points, Warp::splats};
 constexpr std::uint32_t kWarps = kWarpsInOrder.size();
-constexpr std::uint32_t kReaches = 3;
+constexpr std::uint32_t kReaches = 4;
 constexpr std::uint32_t kKindsOfBatch = 2 * kWarps * kReaches; ///< near or far, warp, reach
 constexpr std::uint32_t kKinds = kBatches * kKindsOfBatch;
 
 /// Samples are put into a batch until they could cover the picture so many times. Those of one batch may hide each
 /// other in vain; each further batch costs a look at the z-buffer, of which the first is dear.
-constexpr std::array<double, kBatches - 1> kBatchCovers{1, 1.25, 1.5, 2, 2.5, 3.5, 5};
+constexpr std::array<double, kBatches - 1> kBatchCovers{1.5, 3};
 using BatchEnds = std::array<std::uint32_t, kBatches - 1>; ///< the bins that batches go down to, descending
 
-/// Fewer plain tiles go with the others: a dispatch more costs more than they save.
+/// Fewer plain or small tiles go with those that need more: a dispatch more costs more than they save.
 constexpr std::uint32_t kLeastPlain = 32;
 
-/// With less than this to draw, looking costs more than it saves.
-constexpr double kLeastCover = 3;
+/// With less than this to draw, looking costs more than it saves (docs/performance.md).
+constexpr double kLeastCover = 10;
 
 /// Positive floats order as their bits do; a bin is an eighth of an octave.
 constexpr std::uint32_t kBinShift = 20, kBins = 1u << (31 - kBinShift);
@@ -134,23 +134,27 @@ struct Buckets {
     std::uint32_t kindOf(std::size_t bucket) const { return static_cast<std::uint32_t>(bucket) / pages; }
 };
 
-/// Where too few are plain those go with the others beside them. Plain splats never do: they leave out corners.
-/// Returns into which bucket what is of one goes.
+/// Where too few are plain, or small, those go with others beside them that need more. Plain splats never do: they
+/// leave out corners. Returns into which bucket what is of one goes.
 std::vector<std::uint32_t> joinFewPlain(Buckets& buckets) {
     std::vector<std::uint32_t> joined(buckets.perPart);
     std::iota(joined.begin(), joined.end(), 0u);
-    for (std::size_t plain = 0; plain < buckets.perPart; ++plain) {
-        const std::uint32_t kind = buckets.kindOf(plain);
-        if (reachOf(kind) != Reach::plain || warpOf(kind) == Warp::splats) continue;
-        const std::size_t others = plain + buckets.pages;
-        const std::uint32_t count = buckets.total(plain);
-        if (count == 0 || count >= kLeastPlain || buckets.total(others) == 0) continue;
+    for (std::size_t few = 0; few < buckets.perPart; ++few) {
+        const std::uint32_t kind = buckets.kindOf(few);
+        if (reachOf(kind) >= Reach::any || warpOf(kind) == Warp::splats) continue;
+        const std::uint32_t count = buckets.total(few);
+        if (count == 0 || count >= kLeastPlain) continue;
+        std::size_t others = few + buckets.pages;
+        if (reachOf(kind) == Reach::plain && buckets.total(others) == 0) others += buckets.pages;
+        if (buckets.total(others) == 0) continue;
         for (std::size_t first = 0; first < buckets.counts.size(); first += buckets.perPart) {
-            buckets.counts[first + others] += buckets.counts[first + plain];
-            buckets.counts[first + plain] = 0;
+            buckets.counts[first + others] += buckets.counts[first + few];
+            buckets.counts[first + few] = 0;
         }
-        joined[plain] = static_cast<std::uint32_t>(others);
+        joined[few] = static_cast<std::uint32_t>(others);
     }
+    for (std::uint32_t& into : joined) // what went with small ones that went on themselves
+        into = joined[into];
     return joined;
 }
 

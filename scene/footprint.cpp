@@ -24,7 +24,10 @@ SampleBox typicalOf(const SampleBox& box, std::uint32_t placeBits) {
     return {middle, middle};
 }
 
-BoxInEye boxInEye(const glm::dmat4& c, const SampleBox& box) {
+namespace {
+
+/// extent: of the samples' disparities.
+BoxInEye boxInEye(const glm::dmat4& c, const SampleBox& box, double extent) {
     const glm::dvec3 cx(c[0]), cy(c[1]), c1(c[2]), cd(c[3]);
     constexpr std::size_t kCorners = 8;
     std::array<double, kCorners> u{}, v{}, perW{}; // of the corners
@@ -57,7 +60,17 @@ BoxInEye boxInEye(const glm::dmat4& c, const SampleBox& box) {
         left = std::min(left, u[i]), right = std::max(right, u[i]);
         top = std::min(top, v[i]), bottom = std::max(bottom, v[i]);
     }
-    return {widest, std::sqrt(farthest) * (box.most.z - box.least.z), (right - left) * (bottom - top)};
+    return {widest, std::sqrt(farthest) * extent, (right - left) * (bottom - top)};
+}
+
+} // namespace
+
+BoxInEye boxInEye(const glm::dmat4& c, const SampleBox& box) {
+    return boxInEye(c, box, box.most.z - box.least.z);
+}
+
+BoxInEye typicalInEye(const glm::dmat4& c, const SampleBox& box, std::uint32_t placeBits) {
+    return boxInEye(c, typicalOf(box, placeBits), box.most.z - box.least.z);
 }
 
 double sampleAreaInEye(const glm::dmat4& c, const SampleBox& box) {

@@ -36,6 +36,9 @@ struct BoxInEye {
 };
 BoxInEye boxInEye(const glm::dmat4& eyeImageFromSourceImage, const SampleBox& box);
 
+/// The same at the worst of what is typical of it (typicalOf); of slopeStep, for the disparities of the whole box.
+BoxInEye typicalInEye(const glm::dmat4& eyeImageFromSourceImage, const SampleBox& box, std::uint32_t placeBits);
+
 /// Square pixels that a source pixel covers in the eye's image at the middle of the box: the determinant of the warp's
 /// Jacobian at constant disparity. Infinite behind the eye.
 double sampleAreaInEye(const glm::dmat4& eyeImageFromSourceImage, const SampleBox& box);

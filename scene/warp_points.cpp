@@ -11,7 +11,7 @@ void warpPoints(std::span<const TileBlock> blocks, const View& eye, const WarpOp
         [&](const TileBlock& block, const Tile& tile, const glm::dmat4& c, const TileWarp& warp,
             ImageView<std::uint64_t> into) {
             return drawPoints(warp, block.vertices.subspan(tile.firstVertex, tile.pointCount),
-                              footprintOf(boxInEye(c, typicalOf(boxOf(tile, block.camera), tile.placeBits)).sampleWidth,
+                              footprintOf(typicalInEye(c, boxOf(tile, block.camera), tile.placeBits).sampleWidth,
                                           static_cast<double>(options.footprintScale), options.maxFootprint),
                               into);
         },

@@ -49,3 +49,21 @@ bool isOfRun(LargePart part, WarpConstants run)
 {
     return part.draw >= run.firstDraw && part.draw - run.firstDraw < run.count;
 }
+
+/// Pieces that all lanes of a subgroup draw together are looked for so many turns at a time, and only then drawn: a
+/// software driver goes once through every loop within a loop, and would go through the drawing in every turn.
+const uint kTurns = 32u;
+
+uint endOfTurns(uint start, uint end)
+{
+    return min(start + kTurns * gl_WorkGroupSize.x, end);
+}
+
+/// The number of a piece that some lane wants drawn. start: of the first turn's first piece. marks: bit i is set where
+/// the lane's piece of turn i is wanted, and cleared. wanting: the lanes that have any.
+uint takeMarked(uint start, inout uint marks, uvec4 wanting)
+{
+    uint lane = subgroupBallotFindLSB(wanting), turn = uint(findLSB(subgroupBroadcast(marks, lane)));
+    if (gl_SubgroupInvocationID == lane) marks &= marks - 1u;
+    return start + turn * gl_WorkGroupSize.x + subgroupBroadcast(gl_LocalInvocationID.x, lane);
+}

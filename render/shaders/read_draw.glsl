@@ -7,10 +7,10 @@
 
 layout(constant_id = 1) const uint SHARES_READING = 0u; // 1: the workgroup is one subgroup of 8 invocations
 
-// 1: the run's tiles are plain (findReach in render/draw_list.cpp). A software driver goes through every branch, and once
-// through every loop, with all its lanes, whether one of them wants to or not: what few tiles need has a pipeline of its
-// own.
-layout(constant_id = 2) const uint IS_PLAIN = 0u;
+// What the run's tiles need (Reach in render/draw_list.h). A software driver goes through every branch, and once through
+// every loop, with all its lanes, whether one of them wants to or not: what few tiles need has a pipeline of its own.
+layout(constant_id = 2) const uint REACH = kReachesAnywhere;
+const bool IS_PLAIN = REACH == kReachesPlain, IS_SMALL = REACH == kReachesSmall;
 
 layout(std430, set = 1, binding = 0) readonly buffer Draws { TileDraw draws[]; };
 layout(std430, set = 1, binding = 0) readonly buffer DrawWords { uint drawWords[]; };

@@ -8,14 +8,14 @@
 #extension GL_EXT_shader_atomic_int64 : require
 #extension GL_KHR_shader_subgroup_ballot : require
 
+layout(local_size_x_id = 0) in; // before what takes turns
+
 #include "render/shaders/shared/detail.h"
 #include "render/shaders/shared/facet.h"
 #include "render/shaders/shared/z_key.h"
 #include "render/shaders/read_draw.glsl"
 #include "render/shaders/z_buffer.glsl"
 #include "render/shaders/large_parts.glsl"
-
-layout(local_size_x_id = 0) in;
 
 layout(set = 0, binding = 2) uniform usamplerBuffer facets;
 layout(set = 0, binding = 3) uniform usamplerBuffer texels;
@@ -62,7 +62,7 @@ void drawPixel(TileDraw draw, Piece piece, uint levelAndClass, ivec2 offset)
     ivec2 pixel = piece.box.first + offset;
     int at = pixel.y * constants.width + pixel.x;
     if (isHidden(at, orderBitsOf(sight.disparity))) return;
-    if (IS_PLAIN == 0u && isByDetail(draw)) {
+    if (!IS_PLAIN && isByDetail(draw)) {
         uint x = uint(max(piece.place.x + int(floor(sight.x + 0.5f)), 0));
         uint y = uint(max(piece.place.y + int(floor(sight.y + 0.5f)), 0));
         if (!isOfDetail(draw, x, y, sight.w)) return;
@@ -105,14 +105,14 @@ void main()
     PassedDraw which = drawOf(constants.firstDraw, gl_WorkGroupID.x);
     TileDraw draw = readDraw(which.draw);
     uint levelAndClass = levelAndClassOf(draw);
-    for (uint start = 0u; start < draw.span.z; start += gl_WorkGroupSize.x) {
-        uint number = start + gl_LocalInvocationID.x;
-        bool isLarge = false;
-        if (number < draw.span.z) {
+    for (uint start = 0u; start < draw.span.z; start += kTurns * gl_WorkGroupSize.x) {
+        uint marks = 0u, bit = 1u, end = endOfTurns(start, draw.span.z);
+        for (uint number = start + gl_LocalInvocationID.x; number < end; number += gl_WorkGroupSize.x, bit <<= 1) {
             Piece piece = pieceOf(draw, number);
             ivec2 extent = extentOf(piece.box);
             int pixels = extent.x * extent.y;
-            isLarge = pixels > int(LARGE_PIXELS);
+            bool isLarge = pixels > int(LARGE_PIXELS);
+            if (isLarge) marks |= bit;
             ivec2 offset = ivec2(0);
             for (int i = isLarge ? pixels : 0; i < pixels; ++i) {
                 drawPixel(draw, piece, levelAndClass, offset);
@@ -121,12 +121,10 @@ void main()
             }
         }
         // Not every lane of a subgroup need be there: the workgroup may be smaller.
-        uvec4 present = subgroupBallot(true), large = subgroupBallot(isLarge);
+        uvec4 present = subgroupBallot(true), wanting = subgroupBallot(marks != 0u);
         int lanes = int(subgroupBallotBitCount(present)), myPlace = int(subgroupBallotExclusiveBitCount(present));
-        while (large != uvec4(0u)) {
-            uint lane = subgroupBallotFindLSB(large);
-            large &= ~subgroupBallot(gl_SubgroupInvocationID == lane);
-            uint theirs = subgroupBroadcast(number, lane);
+        for (; wanting != uvec4(0u); wanting = subgroupBallot(marks != 0u)) {
+            uint theirs = takeMarked(start, marks, wanting);
             Piece piece = pieceOf(draw, theirs);
             if (listParts(which.draw, theirs, piece.box, myPlace, lanes)) continue;
             drawPart(draw, piece, levelAndClass, wholeOf(extentOf(piece.box)), myPlace, lanes);

@@ -15,14 +15,14 @@
 #extension GL_EXT_shader_atomic_int64 : require
 #extension GL_KHR_shader_subgroup_ballot : require
 
+layout(local_size_x_id = 0) in; // before what takes turns
+
 #include "render/shaders/shared/detail.h"
 #include "render/shaders/shared/facet.h"
 #include "render/shaders/shared/triangle.h"
 #include "render/shaders/shared/z_key.h"
 #include "render/shaders/read_draw.glsl"
 #include "render/shaders/large_parts.glsl"
-
-layout(local_size_x_id = 0) in;
 
 layout(set = 0, binding = 0) uniform usamplerBuffer vertices;
 layout(set = 0, binding = 1) uniform usamplerBuffer quads;
@@ -59,7 +59,7 @@ vec3 warpCorner(TileDraw draw, uint index, out uint colour, out bool isUsable)
 /// A square goes with its top left sample, one to the left of the one that any half of it has.
 bool isSquareOfDetail(TileDraw draw, uvec2 quad)
 {
-    if (IS_PLAIN != 0u || !isByDetail(draw)) return true;
+    if (IS_PLAIN || !isByDetail(draw)) return true;
     uint place = texelFetch(vertices, int(draw.span.x + ((quad.x >> 16) & kIndexMask))).x;
     uvec2 at = columnAndRowOf(draw, place);
     return isOfDetail(draw, max(at.x, 1u) - 1u, at.y, warpSample(draw, place).z);
@@ -171,16 +171,16 @@ const uint kHalfShift = 30u, kItemBits = (1u << kHalfShift) - 1u;
 
 void drawCuts(TileDraw draw, uint drawNumber, uint levelAndClass)
 {
-    uint end = mayReachBehind(draw) ? draw.span.z : 0u;
-    for (uint start = 0u; start < end; start += gl_WorkGroupSize.x) {
-        uint number = start + gl_LocalInvocationID.x;
-        uint halves = number < end ? cutHalvesOf(draw, number) : 0u;
-        uvec4 present = subgroupBallot(true), cut = subgroupBallot(halves != 0u);
+    uvec2 items = uvec2(0u, mayReachBehind(draw) ? draw.span.z : 0u);
+    for (uint start = items.x; start < items.y; start += kTurns * gl_WorkGroupSize.x) {
+        uint marks = 0u, bit = 1u;
+        for (uint i = start + gl_LocalInvocationID.x; i < endOfTurns(start, items.y); i += gl_WorkGroupSize.x, bit <<= 1)
+            if (cutHalvesOf(draw, i) != 0u) marks |= bit;
+        // Not every lane of a subgroup need be there: the workgroup may be smaller.
+        uvec4 present = subgroupBallot(true), wanting = subgroupBallot(marks != 0u);
         int lanes = int(subgroupBallotBitCount(present)), myPlace = int(subgroupBallotExclusiveBitCount(present));
-        while (cut != uvec4(0u)) {
-            uint lane = subgroupBallotFindLSB(cut);
-            cut &= ~subgroupBallot(gl_SubgroupInvocationID == lane);
-            uint theirs = subgroupBroadcast(number, lane), drawn = subgroupBroadcast(halves, lane);
+        for (; wanting != uvec4(0u); wanting = subgroupBallot(marks != 0u)) {
+            uint theirs = takeMarked(start, marks, wanting), drawn = cutHalvesOf(draw, theirs);
             for (uint half_ = drawn == kLower ? kLower : kUpper; half_ <= min(drawn, kLower); ++half_) {
                 Cut part = cutOf(draw, theirs, half_);
                 if (listParts(drawNumber, theirs | half_ << kHalfShift, part.box, myPlace, lanes)) continue;
@@ -190,24 +190,23 @@ void drawCuts(TileDraw draw, uint drawNumber, uint levelAndClass)
     }
 }
 
-/// Squares of many pixels, each by all lanes of the subgroup. Apart from the others: a software driver goes through
-/// every branch and once through every loop, whether any lane wants to or not.
+bool isLarge(TileDraw draw, Square square)
+{
+    ivec2 extent = extentOf(square.box);
+    return !IS_PLAIN && !IS_SMALL && extent.x * extent.y > largePixelsOf(draw);
+}
+
+/// Squares of many pixels, each by all lanes of the subgroup.
 void drawLarge(TileDraw draw, uint drawNumber, uint levelAndClass, uvec2 items)
 {
-    for (uint start = items.x; start < items.y; start += gl_WorkGroupSize.x) {
-        uint number = start + gl_LocalInvocationID.x;
-        bool isLarge = false;
-        if (number < items.y) {
-            ivec2 extent = extentOf(warpSquare(draw, number).box);
-            isLarge = extent.x * extent.y > largePixelsOf(draw);
-        }
-        // Not every lane of a subgroup need be there: the workgroup may be smaller.
-        uvec4 present = subgroupBallot(true), large = subgroupBallot(isLarge);
+    for (uint start = items.x; start < items.y; start += kTurns * gl_WorkGroupSize.x) {
+        uint marks = 0u, bit = 1u;
+        for (uint i = start + gl_LocalInvocationID.x; i < endOfTurns(start, items.y); i += gl_WorkGroupSize.x, bit <<= 1)
+            if (isLarge(draw, warpSquare(draw, i))) marks |= bit;
+        uvec4 present = subgroupBallot(true), wanting = subgroupBallot(marks != 0u);
         int lanes = int(subgroupBallotBitCount(present)), myPlace = int(subgroupBallotExclusiveBitCount(present));
-        while (large != uvec4(0u)) {
-            uint lane = subgroupBallotFindLSB(large);
-            large &= ~subgroupBallot(gl_SubgroupInvocationID == lane);
-            uint theirs = subgroupBroadcast(number, lane);
+        for (; wanting != uvec4(0u); wanting = subgroupBallot(marks != 0u)) {
+            uint theirs = takeMarked(start, marks, wanting);
             Square square = warpSquare(draw, theirs);
             if (listParts(drawNumber, theirs, square.box, myPlace, lanes)) continue;
             drawPart(square, levelAndClass, wholeOf(extentOf(square.box)), myPlace, lanes);
@@ -258,16 +257,16 @@ void main()
         Square square = warpSquare(draw, number);
         ivec2 extent = extentOf(square.box);
         int pixels = extent.x * extent.y;
-        bool isLarge = IS_PLAIN == 0u && pixels > largePixelsOf(draw);
-        hasLarge = hasLarge || isLarge;
+        bool isForAll = isLarge(draw, square);
+        hasLarge = hasLarge || isForAll;
         ivec2 offset = ivec2(0);
-        for (int i = isLarge ? pixels : 0; i < pixels; ++i) {
+        for (int i = isForAll ? pixels : 0; i < pixels; ++i) {
             drawPixel(square, levelAndClass, offset);
             offset.x += 1;
             if (offset.x == extent.x) offset = ivec2(0, offset.y + 1);
         }
     }
-    if (IS_PLAIN != 0u) return;
+    if (IS_PLAIN || IS_SMALL) return;
     drawLarge(draw, which.draw, levelAndClass, subgroupBallot(hasLarge) != uvec4(0u) ? items : uvec2(0u));
     drawCuts(draw, which.draw, levelAndClass);
 }

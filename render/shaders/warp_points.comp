@@ -22,6 +22,13 @@ void drawPixel(int at, uvec2 key)
     if (!isHidden(at, key.y)) atomicMax(zBuffer[at], packUint2x32(key));
 }
 
+/// A pixel that a point covers, if it is of the picture.
+void coverPixel(ivec2 at, ivec2 end, vec3 seen, uint colour, uint levelAndClass)
+{
+    if (at.x < 0 || at.y < 0 || at.x >= end.x || at.y >= end.y) return;
+    drawPixel(at.y * constants.width + at.x, keyOfPoint(seen.z, colour, levelAndClass, at, seen.xy));
+}
+
 uint rowOf(TileDraw draw, uint item)
 {
     return columnAndRowOf(draw, texelFetch(vertices, int(draw.span.y + item)).x).y;
@@ -48,7 +55,7 @@ void main()
         vec3 seen = project(h);
         float left = firstOfFootprint(seen.x, size), top = firstOfFootprint(seen.y, size);
         // Compared as floats: far outside, the conversion to int is undefined.
-        if (IS_PLAIN != 0u) { // one pixel
+        if (IS_PLAIN) { // one pixel
             if (left >= 0.0f && left < width && top >= 0.0f && top < height) {
                 ivec2 own = ivec2(left, top);
                 drawPixel(own.y * constants.width + own.x,
@@ -57,6 +64,14 @@ void main()
             continue;
         }
         if (!(left > -float(size) && left < width && top > -float(size) && top < height)) continue;
+        if (IS_SMALL) { // two at most
+            ivec2 at = ivec2(left, top), end = min(at + size, ivec2(constants.width, constants.height));
+            coverPixel(at, end, seen, vertex.y, levelAndClass);
+            coverPixel(at + ivec2(1, 0), end, seen, vertex.y, levelAndClass);
+            coverPixel(at + ivec2(0, 1), end, seen, vertex.y, levelAndClass);
+            coverPixel(at + ivec2(1, 1), end, seen, vertex.y, levelAndClass);
+            continue;
+        }
         ivec2 first = max(ivec2(left, top), 0);
         ivec2 end = min(ivec2(left, top) + size, ivec2(constants.width, constants.height));
         for (int y = first.y; y < end.y; ++y)

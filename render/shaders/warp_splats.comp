@@ -58,7 +58,7 @@ void main()
         float left = firstOfSplat(seen.x, radius), top = firstOfSplat(seen.y, radius);
         // Compared as floats: far outside, the conversion to int is undefined.
         if (!(left > -float(side) && left < width && top > -float(side) && top < height)) continue;
-        if (IS_PLAIN != 0u) { // two pixels at most
+        if (IS_PLAIN) { // two pixels at most
             ivec2 own = ivec2(floor(seen.xy));
             drawPixel(own, seen, perRadius2, vertex.y, levelAndClass);
             drawPixel(own + nextOfSplat(offsetOfPixel(own, seen.xy)), seen, perRadius2, vertex.y, levelAndClass);

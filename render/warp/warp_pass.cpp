@@ -62,17 +62,18 @@ class Maker {
         : device_(device), row_(rowOf(device, warp)), layouts_{pageLayout, eyeLayout} {}
 
     bool hasLarge() const { return row_.largePixels > 0; }
-    ComputePipeline make(bool isPlain, std::uint32_t largePieces) const {
+    ComputePipeline make(std::uint32_t reach, std::uint32_t largePieces) const {
         constexpr std::uint32_t kSharingLanes = 8; // as in shaders/read_draw.glsl
         const bool isProcessor = device_.isProcessor();
         const bool sharesReading = isProcessor && row_.workgroupSize == kSharingLanes;
         return makeComputePipeline(device_, row_.code, layouts_, sizeof(WarpConstants),
-                                   std::array{row_.workgroupSize, std::uint32_t{sharesReading}, std::uint32_t{isPlain},
-                                              largePieces, row_.largePixels, isProcessor ? kMostStepsOnProcessor : 0u,
+                                   std::array{row_.workgroupSize, std::uint32_t{sharesReading}, reach, largePieces,
+                                              row_.largePixels, isProcessor ? kMostStepsOnProcessor : 0u,
                                               isProcessor ? kListedOnProcessor : kListedTogether});
     }
     ComputePipeline makeOfMany(std::uint32_t together) const {
-        return makeComputePipeline(device_, row_.code, layouts_, sizeof(WarpConstants), std::array{together, 0u, 0u});
+        return makeComputePipeline(device_, row_.code, layouts_, sizeof(WarpConstants),
+                                   std::array{together, 0u, kReachesAnywhere});
     }
 
   private:
@@ -87,9 +88,14 @@ WarpPass makeWarpPass(const Device& device, Warp warp, VkDescriptorSetLayout pag
                       VkDescriptorSetLayout eyeLayout) {
     const Maker maker(device, warp, pageLayout, eyeLayout);
     // On a processor there is no need to list but in wide tiles, and what is not needed costs.
-    if (!maker.hasLarge() || device.isProcessor())
-        return {maker.make(false, kDrawsLarge), maker.make(true, kDrawsLarge), {}, {}};
-    return {maker.make(false, kListsLarge), maker.make(true, kListsLarge), {}, maker.make(false, kDrawsListed)};
+    const bool lists = maker.hasLarge() && !device.isProcessor();
+    const std::uint32_t largePieces = lists ? kListsLarge : kDrawsLarge;
+    WarpPass pass;
+    pass.any = maker.make(kReachesAnywhere, largePieces);
+    pass.plain = maker.make(kReachesPlain, largePieces);
+    if (warp == Warp::points || warp == Warp::mesh) pass.small = maker.make(kReachesSmall, largePieces);
+    if (lists) pass.listed = maker.make(kReachesAnywhere, kDrawsListed);
+    return pass;
 }
 
 std::uint32_t togetherFor(const Device& device, std::uint32_t onCards, std::uint32_t mostPoints,
@@ -104,8 +110,8 @@ void prepareForWide(const Device& device, Warp warp, VkDescriptorSetLayout pageL
                     WarpPass& pass) {
     if (!device.isProcessor() || pass.wide.pipeline != VK_NULL_HANDLE) return;
     const Maker maker(device, warp, pageLayout, eyeLayout);
-    pass.wide = maker.hasLarge() ? maker.make(false, kListsLarge) : maker.makeOfMany(kWidePointsTogether);
-    if (maker.hasLarge()) pass.listed = maker.make(false, kDrawsListed);
+    pass.wide = maker.hasLarge() ? maker.make(kReachesAnywhere, kListsLarge) : maker.makeOfMany(kWidePointsTogether);
+    if (maker.hasLarge()) pass.listed = maker.make(kReachesAnywhere, kDrawsListed);
 }
 
 void bindPage(VkCommandBuffer commands, VkPipelineLayout layout, const GpuScene& scene, const DrawRun& run) {

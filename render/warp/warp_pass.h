@@ -17,18 +17,20 @@ struct EyeTarget;
 
 struct WarpPass {
     ComputePipeline any, plain; ///< plain: for runs of plain tiles
+    ComputePipeline small;      ///< for runs of small tiles, where those have one of their own
     ComputePipeline wide;       ///< for runs of wide tiles, where those need one of their own (prepareForWide)
     /// Draws parts of large pieces that the others have put on a list (shaders/shared/large_part.h); none if they do
     /// not.
     ComputePipeline listed;
     const ComputePipeline& of(const DrawRun& run) const {
         if (run.reach == Reach::wide && wide.pipeline != VK_NULL_HANDLE) return wide;
+        if (run.reach == Reach::small && small.pipeline != VK_NULL_HANDLE) return small;
         return run.reach == Reach::plain ? plain : any;
     }
     bool mayList(const DrawRun& run) const {
         if (listed.pipeline == VK_NULL_HANDLE) return false;
         if (wide.pipeline != VK_NULL_HANDLE) return run.reach == Reach::wide;
-        return run.reach != Reach::plain || run.warp != Warp::mesh;
+        return run.reach >= Reach::any || run.warp != Warp::mesh;
     }
 };
 using WarpPasses = std::array<WarpPass, 4>; ///< by Warp

@@ -184,6 +184,13 @@ TEST(DrawList, ScrapsThatReachBehindTheEyeAreDrawnAsTheirMiddleIsSeen) {
     std::vector<TileDraw> draws;
     for (const DrawRun& run : listOf(scrapsUpTo(6), {.warp = Warp::mesh}, draws).runs)
         EXPECT_EQ(run.reach, Reach::wide) << "whatever their middle";
+    Many sloping = scrapsUpTo(6);
+    for (ResidentTile& tile : sloping.scene.tiles)
+        tile.steepness = 0.2;
+    Quality quality{.warp = Warp::points};
+    quality.drawsSquaresNear = true;
+    for (const DrawRun& run : listOf(sloping, quality, draws).runs)
+        EXPECT_EQ(run.warp, Warp::mesh) << "neighbours are many pixels apart";
 }
 
 TEST(DrawList, PointsOfOnePixelAreTwoWhereSlopesWouldMakeALatticeOfThem) {
@@ -233,6 +240,11 @@ bool isPlainIndeed(const TileDraw& draw, Warp warp) {
     }
 }
 
+/// The same of small tiles.
+bool isSmallIndeed(const TileDraw& draw, Warp warp) {
+    return warp == Warp::points ? footprintOf(draw) <= 2 : warp == Warp::mesh && !mayReachBehind(draw);
+}
+
 TEST(DrawList, PlainTilesHaveRunsOfTheirOwn) {
     Many many = manyTiles(2000);
     // So near the camera that some samples are pixels and some are wider, and some squares reach behind the eye.
@@ -240,17 +252,64 @@ TEST(DrawList, PlainTilesHaveRunsOfTheirOwn) {
         {cameraOf(1500, 1500, 1.5), poseAt({0.1, 0, 0.6}, 0.1, 0)}, cameraOf(2000, 2000, 1.5), {});
     for (const Warp warp : {Warp::points, Warp::splats, Warp::mesh}) {
         std::vector<TileDraw> draws;
-        std::uint32_t plain = 0, others = 0, joined = 0;
+        std::uint32_t plain = 0, small = 0, others = 0, joined = 0;
         for (const DrawRun& run : listOf(many, {.warp = warp}, draws).runs)
             for (std::uint32_t i = run.first; i < run.first + run.count; ++i) {
                 EXPECT_TRUE(run.reach != Reach::plain || isPlainIndeed(draws[i], warp)) << i;
-                (run.reach == Reach::plain ? plain : others) += 1;
+                EXPECT_TRUE(run.reach != Reach::small || isSmallIndeed(draws[i], warp)) << i;
+                (run.reach == Reach::plain ? plain : run.reach == Reach::small ? small : others) += 1;
                 joined += run.reach != Reach::plain && isPlainIndeed(draws[i], warp);
             }
         EXPECT_GT(plain, 100u);
         EXPECT_GT(others, 100u);
+        EXPECT_TRUE(warp == Warp::points ? small > 100 : small == 0) << "all is of one level";
         if (warp == Warp::mesh) continue; // its squares may be wide, too
         EXPECT_LT(joined, 100u) << "a few of each page at most";
+    }
+}
+
+TEST(DrawList, SquaresBeforeTheEyeOfWhichSomeAreOfAnotherLevelAreSmall) {
+    Many many = manyTiles(2000);
+    many.sources[0].hasCoarser = true, many.sources[0].pixelsPerSample = 0.32; // as this eye sees samples
+    Quality quality{.warp = Warp::points};
+    quality.drawsSquaresNear = true, quality.samplePixels = 0.7;
+    for (ResidentTile& tile : many.scene.tiles)
+        tile.steepness = 1; // squares, whatever their size
+    std::vector<TileDraw> draws;
+    std::uint32_t small = 0;
+    for (const DrawRun& run : listOf(many, quality, draws).runs)
+        for (std::uint32_t i = run.first; run.warp == Warp::mesh && i < run.first + run.count; ++i) {
+            EXPECT_EQ(run.reach == Reach::plain, !isByDetail(draws[i])) << i;
+            EXPECT_TRUE(run.reach != Reach::small || isSmallIndeed(draws[i], run.warp)) << i;
+            small += run.reach == Reach::small;
+        }
+    EXPECT_GT(small, 50u);
+}
+
+TEST(DrawList, FewPlainTilesGoWithSmallOnes) {
+    Many many = manyTiles(600);
+    const scene::View eye{cameraOf(640, 480, 0.5), {glm::dmat3(1), {0.2, 0, 0}}};
+    const glm::dmat4 c = scene::eyeImageFromSourceImage(eye, cameraOf(2000, 2000, 1.5), {});
+    many.sources[0].eyeImageFromSource = c;
+    const TileBounds& bounds = many.scene.bounds;
+    Quality quality{.warp = Warp::points};
+    quality.drawsSquaresNear = true;
+    for (const std::uint32_t flat : {20u, 40u}) { // of one pixel; the others slope by two, and are of two
+        for (std::uint32_t i = 0; i < 600; ++i) {
+            const auto seen = scene::boxInEye(c, {{bounds.xMin[i], bounds.yMin[i], bounds.dMin[i]},
+                                                  {bounds.xMax[i], bounds.yMax[i], bounds.dMax[i]}});
+            quality.footprintScale = 1 / seen.sampleWidth;
+            many.scene.tiles[i].pointCount = 10;
+            many.scene.tiles[i].steepness = i < flat ? 0 : 2 / seen.slopeStep;
+        }
+        std::vector<TileDraw> draws;
+        const DrawList list = listOf(many, quality, draws);
+        std::array<std::uint32_t, 2> runs{};
+        for (const DrawRun& run : list.runs)
+            ++runs.at(static_cast<std::size_t>(run.reach)); // plain, small
+        EXPECT_EQ(runs[0], flat > 32 ? 1u : 0u);
+        EXPECT_EQ(runs[1], 1u);
+        EXPECT_EQ(std::ranges::count_if(draws, [](const TileDraw& draw) { return footprintOf(draw) == 1; }), flat);
     }
 }
 
@@ -297,7 +356,7 @@ TEST(DrawList, OfManyTilesHasEachOnceAndRunsInTheOrderOfMemory) {
         EXPECT_LE(nearest, farthestBefore * 1.125f) << "bins are an eighth of an octave";
     }
     EXPECT_EQ(next, list.tiles);
-    EXPECT_EQ(batches, 7u);
+    EXPECT_EQ(batches, 2u);
     for (std::size_t i = 0; i < drawn.size(); ++i)
         EXPECT_EQ(drawn[i], many.scene.tiles[i].pointCount > 0 ? 1 : 0) << i;
 }

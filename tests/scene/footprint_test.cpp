@@ -57,6 +57,15 @@ TEST(SampleWidth, OfScrapsIsThatOfTheMiddleOfTheirBox) {
     const SampleBox ofScraps = typicalOf(box, kScrapPlaceBits);
     EXPECT_EQ(ofScraps.least, glm::dvec3(20, 40, 1));
     EXPECT_EQ(ofScraps.most, ofScraps.least);
+
+    const Camera camera{100, 100, 53, 53, 50, 50};
+    const glm::dmat4 c = eyeImageFromSourceImage({camera, {glm::dmat3(1.0), {0.1, 0.05, 0}}}, camera, {});
+    const BoxInEye whole = boxInEye(c, box), seen = typicalInEye(c, box, kScrapPlaceBits);
+    EXPECT_EQ(typicalInEye(c, box, kPlaceBits).sampleWidth, whole.sampleWidth);
+    EXPECT_EQ(seen.sampleWidth, boxInEye(c, ofScraps).sampleWidth);
+    // The eye has moved within the image's plane: a step of disparity is as many pixels everywhere.
+    EXPECT_NEAR(seen.slopeStep, 53 * std::hypot(0.1, 0.05), 1e-9) << "for all of the box' disparities";
+    EXPECT_NEAR(whole.slopeStep, seen.slopeStep, 1e-9);
 }
 
 TEST(BoxInEyeTest, StepAndAreaAreThoseOfItsCorners) {

@@ -23,9 +23,8 @@ void warpOneByOne(std::span<const TileBlock> blocks, const View& eye, const Warp
         for (const Tile& tile : block.tiles) {
             const auto level = orderLevelOf(tile, block.camera, block.worldFromCamera, eye, options.preference);
             if (!level) continue;
-            const int pixels =
-                footprintOf(boxInEye(c, typicalOf(boxOf(tile, block.camera), tile.placeBits)).sampleWidth,
-                            static_cast<double>(options.footprintScale), options.maxFootprint);
+            const int pixels = footprintOf(typicalInEye(c, boxOf(tile, block.camera), tile.placeBits).sampleWidth,
+                                           static_cast<double>(options.footprintScale), options.maxFootprint);
             const float half = 0.5f * static_cast<float>(pixels - 1);
             const double perScale = 1.0 / static_cast<double>(orderScale(*level));
             const double step = (static_cast<double>(tile.maxDisparity) - tile.minDisparity) / maxQuantisedOf(tile);
