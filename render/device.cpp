@@ -152,9 +152,10 @@ void Device::describeDevice() {
     name_ = properties_.deviceName;
     driver_ = std::string(properties12.driverName) + " " + properties12.driverInfo;
     subgroupSize_ = static_cast<int>(properties11.subgroupSize);
-    const char* tuning = std::getenv("REVISIT_TUNING");
-    isProcessor_ = properties_.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU &&
-                   (tuning == nullptr || std::string_view(tuning) != "card");
+    const char* set = std::getenv("REVISIT_TUNING");
+    const std::string_view tuning = set != nullptr ? set : "";
+    isProcessor_ = properties_.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU && tuning != "card";
+    looksAlways_ = tuning == "looks";
     vkGetPhysicalDeviceMemoryProperties(physical_, &memory_);
 
     std::uint32_t count = 0;

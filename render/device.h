@@ -55,6 +55,9 @@ class Device {
     /// Whether the processor draws, and work is dealt out as suits it. With REVISIT_TUNING=card in the environment none
     /// does, so that what suits graphics cards can be tested without one.
     bool isProcessor() const { return isProcessor_; }
+    /// Whether a processor looks for hidden tiles however few there are to draw (kLeastItemsToLook): with
+    /// REVISIT_TUNING=looks, so that it can be tested in small scenes.
+    bool looksAlways() const { return looksAlways_; }
     const VkPhysicalDeviceLimits& limits() const { return properties_.limits; }
     int subgroupSize() const { return subgroupSize_; }
     /// Invocations of a workgroup. A processor runs one vector by vector, and starts each anew: one vector that loops
@@ -97,7 +100,7 @@ class Device {
     VkPhysicalDeviceMemoryProperties memory_{};
     std::string name_, driver_, passedOver_;
     int subgroupSize_ = 1;
-    bool isProcessor_ = false;
+    bool isProcessor_ = false, looksAlways_ = false;
     std::unique_ptr<PipelineStore> pipelines_;
     mutable std::mutex heardMutex_; ///< the layers may call from any thread
     std::vector<std::string> heard_;

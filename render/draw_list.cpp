@@ -271,7 +271,8 @@ bool mayBeChosen(const TilePiece& piece, const SourceView& source, const Quality
 }
 
 void chooseDraws(const SceneIndex& scene, std::span<const ChunkPlace> places, std::span<const SourceView> sources,
-                 const VisibleTiles& visible, const Quality& quality, DrawList& list, double picturePixels) {
+                 const VisibleTiles& visible, const Quality& quality, DrawList& list, double picturePixels,
+                 std::uint64_t leastItems) {
     const bool isDetailed = detailPixelsOf(quality) > 0;
     const bool mayStandIn = hasGaps(places);
     const auto standsIn = [&](std::uint32_t number) {
@@ -370,7 +371,7 @@ void chooseDraws(const SceneIndex& scene, std::span<const ChunkPlace> places, st
         }
     });
 
-    orderDraws(picturePixels, list);
+    orderDraws(picturePixels, leastItems, list);
 }
 
 void writeDraws(const SceneIndex& scene, std::span<const ChunkPlace> places, std::span<const SourceView> sources,

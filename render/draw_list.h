@@ -59,6 +59,9 @@ struct DrawList {
 /// samples that are in none (Quality::drawsSquaresNear, drawsLone).
 inline constexpr std::uint32_t kDrawsPerTile = 2;
 
+/// Fewer items of one eye are drawn sooner than looked at for what is hidden (docs/performance.md).
+inline constexpr std::uint64_t kLeastItemsToLook = 800'000;
+
 /// Coarse samples that stand in for finer ones are drawn as squares of so many pixels at most.
 inline constexpr int kWidestStandIn = 64;
 
@@ -74,9 +77,11 @@ bool hasGaps(std::span<const ChunkPlace> places);
 
 /// Chooses all tiles that have items for this warp and are there, and puts them in order. Coarser tiles stand in for
 /// finer ones that are not there. sources: by image, of those whose tiles are visible. picturePixels: of the eye's
-/// image, to divide the list into batches of which each is likely to hide much of the next; 0: one batch.
+/// image, to divide the list into batches of which each is likely to hide much of the next; 0: one batch, and so with
+/// fewer than leastItems to draw.
 void chooseDraws(const SceneIndex& scene, std::span<const ChunkPlace> places, std::span<const SourceView> sources,
-                 const VisibleTiles& visible, const Quality& quality, DrawList& list, double picturePixels = 0);
+                 const VisibleTiles& visible, const Quality& quality, DrawList& list, double picturePixels = 0,
+                 std::uint64_t leastItems = kLeastItemsToLook);
 
 /// Writes the draws of what was chosen, list.tiles in all. The same bytes on any number of threads.
 void writeDraws(const SceneIndex& scene, std::span<const ChunkPlace> places, std::span<const SourceView> sources,

@@ -31,8 +31,8 @@ using BatchEnds = std::array<std::uint32_t, kBatches - 1>; ///< the bins that ba
 /// Fewer plain or small tiles go with those that need more: a dispatch more costs more than they save.
 constexpr std::uint32_t kLeastPlain = 32;
 
-/// With less than this to draw, looking costs more than it saves (docs/performance.md).
-constexpr double kLeastCover = 10;
+/// Where what stands in view covers the picture less often, looking costs more than it saves.
+constexpr double kLeastCover = 3;
 
 /// Positive floats order as their bits do; a bin is an eighth of an octave.
 constexpr std::uint32_t kBinShift = 20, kBins = 1u << (31 - kBinShift);
@@ -197,19 +197,19 @@ void placeParts(Buckets& buckets) {
 
 } // namespace
 
-void orderDraws(double picturePixels, DrawList& list) {
+void orderDraws(double picturePixels, std::uint64_t leastItems, DrawList& list) {
     const Parts parts(list);
-    // What is likely seen comes first, so that the rest finds itself hidden early.
-    const BatchEnds batchEnds = divide(parts, picturePixels);
-    std::vector<std::uint32_t> pages(parts.count(), 1);
     std::vector<std::uint64_t> items(parts.count(), 0);
+    parts.forAll([&](std::size_t part, const DrawList::Chosen& chosen, std::size_t) { items[part] += chosen.items; });
+    list.items = std::accumulate(items.begin(), items.end(), std::uint64_t{0});
+    // What is likely seen comes first, so that the rest finds itself hidden early.
+    const BatchEnds batchEnds = divide(parts, list.items < leastItems ? 0 : picturePixels);
+    std::vector<std::uint32_t> pages(parts.count(), 1);
     parts.forAll([&](std::size_t part, DrawList::Chosen& chosen, std::size_t) {
         chosen.kind = kindOf(chosen, batchEnds);
         chosen.batch = batchOf(chosen.kind);
         pages[part] = std::max(pages[part], chosen.page + 1);
-        items[part] += chosen.items;
     });
-    list.items = std::accumulate(items.begin(), items.end(), std::uint64_t{0});
 
     Buckets buckets{*std::max_element(pages.begin(), pages.end()), 0, list.firsts};
     buckets.perPart = std::size_t{kKinds} * buckets.pages;

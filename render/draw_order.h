@@ -6,7 +6,7 @@
 
 namespace render {
 
-/// Puts list.chosen in order. picturePixels: as for chooseDraws. The same on any number of threads.
-void orderDraws(double picturePixels, DrawList& list);
+/// Puts list.chosen in order. picturePixels, leastItems: as for chooseDraws. The same on any number of threads.
+void orderDraws(double picturePixels, std::uint64_t leastItems, DrawList& list);
 
 } // namespace render

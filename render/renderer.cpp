@@ -280,7 +280,8 @@ void Renderer::choose(Eye& eye, const scene::View& given, const Quality& quality
     });
     timed(eye.times, "choose", index, [&] {
         chooseDraws(scene_.index(), scene_.places(), eye.sources.of, eye.visible, quality, eye.list,
-                    leavesOutHidden(quality) ? static_cast<double>(eye.warpWidth) * eye.warpHeight : 0);
+                    leavesOutHidden(quality) ? static_cast<double>(eye.warpWidth) * eye.warpHeight : 0,
+                    device_.looksAlways() ? 0 : kLeastItemsToLook);
         if (quality.isBlended)
             chooseBlendDraws(scene_.index(), scene_.places(), capturedOf(eye), eye.visible, quality.blend,
                              polygonPass_.has_value(), eye.blendList);

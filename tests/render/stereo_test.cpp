@@ -39,9 +39,9 @@ class Rooms {
   public:
     Rooms() : near_(roomInAllTiers()), faces_(cutInLevels(roomFromWithin(128).images)) {
         std::vector<scene::TileBlock> blocks = near_.blocks();
-        for (int away = 0; away < 12; ++away)
+        for (int away = 0; away < 6; ++away)
             for (scene::TileBlock block : faces_.blocks()) {
-                block.worldFromCamera.translation += glm::dvec3(0.4 * away, 0.03 * away, 0.9 * away);
+                block.worldFromCamera.translation += glm::dvec3(3.0 * away, 0.2 * away, 7.0 * away);
                 blocks.push_back(block);
             }
         // Small pages: several runs of each kind.
@@ -162,7 +162,7 @@ OnePass seenBy(const GpuScene& scene, const scene::View& view, const Quality& qu
     cull(
         scene.bounds(), scene.pieces(), [&](const TilePiece& piece) { return planes[piece.image]; }, visible);
     OnePass seen;
-    chooseDraws(scene.index(), scene.places(), sources, visible, quality, seen.list, kEye.width * kEye.height);
+    chooseDraws(scene.index(), scene.places(), sources, visible, quality, seen.list, kEye.width * kEye.height, 0);
     return seen;
 }
 

@@ -21,7 +21,8 @@ std::unique_ptr<Device>& madeCard() {
     return device;
 }
 
-bool listen() {
+bool prepare() {
+    setenv("REVISIT_TUNING", "looks", 0);
     if (canValidate()) {
         setenv("VK_INSTANCE_LAYERS", kLayer, 0);
         setenv("VK_LAYER_ENABLES", "VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT", 0);
@@ -42,9 +43,9 @@ bool canValidate() {
 }
 
 Device& testDevice() {
-    static const bool isListening = listen();
+    static const bool isPrepared = prepare();
     static Device device;
-    static_cast<void>(isListening);
+    static_cast<void>(isPrepared);
     return device;
 }
 

@@ -10,8 +10,8 @@
 
 namespace render {
 
-/// One for all tests. Turns on core and synchronisation validation before it is made, unless
-/// VK_INSTANCE_LAYERS is set.
+/// One for all tests. Before it is made core and synchronisation validation are turned on, unless VK_INSTANCE_LAYERS is
+/// set, and looks for hidden tiles however few there are (Device::looksAlways), unless REVISIT_TUNING is.
 Device& testDevice();
 
 /// The same as if it were a card, made when first wanted; where it is one, another of its kind.
