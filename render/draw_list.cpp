@@ -193,6 +193,8 @@ void findReach(const SourceView& source, const scene::SampleBox& box, const scen
                std::uint32_t placeBits, double steepness, const Quality& quality, DrawList::Chosen& chosen) {
     const glm::dmat4& c = source.eyeImageFromSource;
     const bool isWhole = chosen.detail.x == 0.0f && source.share == 1;
+    // Of scraps, too, what none of them may pass.
+    const auto whole = [&] { return placeBits == scene::kScrapPlaceBits ? scene::boxInEye(c, box) : seen; };
     switch (chosen.warp) {
     case Warp::points:
         chosen.width = widthOfPoints(seen, steepness, quality, chosen.isStandIn);
@@ -210,18 +212,17 @@ void findReach(const SourceView& source, const scene::SampleBox& box, const scen
         break;
     }
     case Warp::mesh: {
-        // Of scraps, too, what none of them may pass.
-        const scene::BoxInEye whole = placeBits == scene::kScrapPlaceBits ? scene::boxInEye(c, box) : seen;
+        const scene::BoxInEye most = whole();
         const bool isSmall = isAllBefore(c, box) &&
-                             scene::footprintOf(whole.sampleWidth, 1, kWidestPlainSquare + 1) <= kWidestPlainSquare;
-        chosen.reach = whole.area > kLargestShared ? Reach::wide
-                       : !isSmall                  ? Reach::any
-                       : isWhole                   ? Reach::plain
-                                                   : Reach::small;
+                             scene::footprintOf(most.sampleWidth, 1, kWidestPlainSquare + 1) <= kWidestPlainSquare;
+        chosen.reach = most.area > kLargestShared ? Reach::wide
+                       : !isSmall                 ? Reach::any
+                       : isWhole                  ? Reach::plain
+                                                  : Reach::small;
         break;
     }
     case Warp::adaptive:
-        chosen.reach = seen.area > kLargestShared ? Reach::wide : plainIf(isWhole);
+        chosen.reach = whole().area > kLargestShared ? Reach::wide : plainIf(isWhole);
         break;
     }
 }

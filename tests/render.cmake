@@ -8,6 +8,7 @@ revisit_test(revisit_render_tests WHOLE LABELS gpu TIMEOUT 600 LINKS revisit_ren
         render/blend_test.cpp
         render/device_test.cpp
         render/draw_list_test.cpp
+        render/draw_order_test.cpp
         render/stream_test.cpp
         render/card_test.cpp render/edge_cases_test.cpp
         render/extremes_test.cpp

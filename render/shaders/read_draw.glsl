@@ -7,10 +7,10 @@
 
 layout(constant_id = 1) const uint SHARES_READING = 0u; // 1: the workgroup is one subgroup of 8 invocations
 
-// What the run's tiles need (Reach in render/draw_list.h). A software driver goes through every branch, and once through
+// What tiles the pipeline draws. A software driver goes through every branch, and once through
 // every loop, with all its lanes, whether one of them wants to or not: what few tiles need has a pipeline of its own.
-layout(constant_id = 2) const uint REACH = kReachesAnywhere;
-const bool IS_PLAIN = REACH == kReachesPlain, IS_SMALL = REACH == kReachesSmall;
+layout(constant_id = 2) const uint DRAWN_TILES = kDrawsAll;
+const bool IS_PLAIN = DRAWN_TILES == kDrawsPlain, IS_SMALL = DRAWN_TILES == kDrawsSmall;
 
 layout(std430, set = 1, binding = 0) readonly buffer Draws { TileDraw draws[]; };
 layout(std430, set = 1, binding = 0) readonly buffer DrawWords { uint drawWords[]; };

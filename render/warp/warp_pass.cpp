@@ -62,18 +62,18 @@ class Maker {
         : device_(device), row_(rowOf(device, warp)), layouts_{pageLayout, eyeLayout} {}
 
     bool hasLarge() const { return row_.largePixels > 0; }
-    ComputePipeline make(std::uint32_t reach, std::uint32_t largePieces) const {
+    ComputePipeline make(std::uint32_t drawn, std::uint32_t largePieces) const {
         constexpr std::uint32_t kSharingLanes = 8; // as in shaders/read_draw.glsl
         const bool isProcessor = device_.isProcessor();
         const bool sharesReading = isProcessor && row_.workgroupSize == kSharingLanes;
         return makeComputePipeline(device_, row_.code, layouts_, sizeof(WarpConstants),
-                                   std::array{row_.workgroupSize, std::uint32_t{sharesReading}, reach, largePieces,
+                                   std::array{row_.workgroupSize, std::uint32_t{sharesReading}, drawn, largePieces,
                                               row_.largePixels, isProcessor ? kMostStepsOnProcessor : 0u,
                                               isProcessor ? kListedOnProcessor : kListedTogether});
     }
     ComputePipeline makeOfMany(std::uint32_t together) const {
         return makeComputePipeline(device_, row_.code, layouts_, sizeof(WarpConstants),
-                                   std::array{together, 0u, kReachesAnywhere});
+                                   std::array{together, 0u, kDrawsAll});
     }
 
   private:
@@ -91,10 +91,10 @@ WarpPass makeWarpPass(const Device& device, Warp warp, VkDescriptorSetLayout pag
     const bool lists = maker.hasLarge() && !device.isProcessor();
     const std::uint32_t largePieces = lists ? kListsLarge : kDrawsLarge;
     WarpPass pass;
-    pass.any = maker.make(kReachesAnywhere, largePieces);
-    pass.plain = maker.make(kReachesPlain, largePieces);
-    if (warp == Warp::points || warp == Warp::mesh) pass.small = maker.make(kReachesSmall, largePieces);
-    if (lists) pass.listed = maker.make(kReachesAnywhere, kDrawsListed);
+    pass.any = maker.make(kDrawsAll, largePieces);
+    pass.plain = maker.make(kDrawsPlain, largePieces);
+    if (warp == Warp::points || warp == Warp::mesh) pass.small = maker.make(kDrawsSmall, largePieces);
+    if (lists) pass.listed = maker.make(kDrawsAll, kDrawsListed);
     return pass;
 }
 
@@ -110,8 +110,8 @@ void prepareForWide(const Device& device, Warp warp, VkDescriptorSetLayout pageL
                     WarpPass& pass) {
     if (!device.isProcessor() || pass.wide.pipeline != VK_NULL_HANDLE) return;
     const Maker maker(device, warp, pageLayout, eyeLayout);
-    pass.wide = maker.hasLarge() ? maker.make(kReachesAnywhere, kListsLarge) : maker.makeOfMany(kWidePointsTogether);
-    if (maker.hasLarge()) pass.listed = maker.make(kReachesAnywhere, kDrawsListed);
+    pass.wide = maker.hasLarge() ? maker.make(kDrawsAll, kListsLarge) : maker.makeOfMany(kWidePointsTogether);
+    if (maker.hasLarge()) pass.listed = maker.make(kDrawsAll, kDrawsListed);
 }
 
 void bindPage(VkCommandBuffer commands, VkPipelineLayout layout, const GpuScene& scene, const DrawRun& run) {

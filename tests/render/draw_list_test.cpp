@@ -176,6 +176,7 @@ TEST(DrawList, ScrapsThatReachBehindTheEyeAreDrawnAsTheirMiddleIsSeen) {
         const Warp small = warp == Warp::adaptive ? Warp::points : warp;
         for (const DrawRun& run : listOf(scrapsUpTo(6), quality, draws).runs)
             EXPECT_TRUE(run.warp == small && run.reach != Reach::wide);
+        EXPECT_EQ(draws.size(), 60u);
         for (const DrawRun& run : listOf(scrapsUpTo(9.9), quality, draws).runs)
             EXPECT_TRUE(run.warp == Warp::mesh && run.reach == Reach::wide) << "the nearest may cover the picture";
         EXPECT_EQ(draws.size(), 60u);
@@ -183,6 +184,7 @@ TEST(DrawList, ScrapsThatReachBehindTheEyeAreDrawnAsTheirMiddleIsSeen) {
     std::vector<TileDraw> draws;
     for (const DrawRun& run : listOf(scrapsUpTo(6), {.warp = Warp::mesh}, draws).runs)
         EXPECT_EQ(run.reach, Reach::wide) << "whatever their middle";
+    EXPECT_EQ(draws.size(), 60u);
     Many sloping = scrapsUpTo(6);
     for (ResidentTile& tile : sloping.scene.tiles)
         tile.steepness = 0.2;
@@ -190,6 +192,7 @@ TEST(DrawList, ScrapsThatReachBehindTheEyeAreDrawnAsTheirMiddleIsSeen) {
     quality.drawsSquaresNear = true;
     for (const DrawRun& run : listOf(sloping, quality, draws).runs)
         EXPECT_EQ(run.warp, Warp::mesh) << "neighbours are many pixels apart";
+    EXPECT_EQ(draws.size(), 60u);
 }
 
 TEST(DrawList, PointsOfOnePixelAreTwoWhereSlopesWouldMakeALatticeOfThem) {
@@ -297,33 +300,6 @@ TEST(DrawList, SquaresBeforeTheEyeOfWhichSomeAreOfAnotherLevelAreSmall) {
             small += run.reach == Reach::small;
         }
     EXPECT_GT(small, 50u);
-}
-
-TEST(DrawList, FewPlainTilesGoWithSmallOnes) {
-    Many many = manyTiles(600);
-    const scene::View eye{cameraOf(640, 480, 0.5), {glm::dmat3(1), {0.2, 0, 0}}};
-    const glm::dmat4 c = scene::eyeImageFromSourceImage(eye, cameraOf(2000, 2000, 1.5), {});
-    many.sources[0].eyeImageFromSource = c;
-    const TileBounds& bounds = many.scene.bounds;
-    Quality quality{.warp = Warp::points};
-    quality.drawsSquaresNear = true;
-    for (const std::uint32_t flat : {20u, 40u}) { // of one pixel; the others slope by two, and are of two
-        for (std::uint32_t i = 0; i < 600; ++i) {
-            const auto seen = scene::boxInEye(c, {{bounds.xMin[i], bounds.yMin[i], bounds.dMin[i]},
-                                                  {bounds.xMax[i], bounds.yMax[i], bounds.dMax[i]}});
-            quality.footprintScale = 1 / seen.sampleWidth;
-            many.scene.tiles[i].pointCount = 10;
-            many.scene.tiles[i].steepness = i < flat ? 0 : 2 / seen.slopeStep;
-        }
-        std::vector<TileDraw> draws;
-        const DrawList list = listOf(many, quality, draws);
-        std::array<std::uint32_t, 2> runs{};
-        for (const DrawRun& run : list.runs)
-            ++runs.at(static_cast<std::size_t>(run.reach)); // plain, small
-        EXPECT_EQ(runs[0], flat > 32 ? 1u : 0u);
-        EXPECT_EQ(runs[1], 1u);
-        EXPECT_EQ(std::ranges::count_if(draws, [](const TileDraw& draw) { return footprintOf(draw) == 1; }), flat);
-    }
 }
 
 TEST(DrawList, IsTheSameOnAnyNumberOfThreads) {

@@ -107,7 +107,7 @@ TEST_F(EdgeCases, WhatHiddenTilesAreLeftOutOfIsTheSamePicture) {
             block.worldFromCamera.translation += glm::dvec3(3.0 * away, 0.2 * away, 7.0 * away);
             blocks.push_back(block);
         }
-    ASSERT_TRUE(testDevice().looksAlways());
+    ASSERT_TRUE(testDevice().looksAlways()) << "REVISIT_TUNING is something else";
     const GpuScene scene(testDevice(), blocks);
     Renderer renderer(testDevice(), scene, kEdgeEye.width, kEdgeEye.height, 1);
     const auto draw = [&](const scene::View& view, const Quality& quality) {

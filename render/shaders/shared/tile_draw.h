@@ -32,8 +32,9 @@ struct WarpConstants {
 };
 SHARED_CONSTANT uint kAmongPassed = 0x80000000u;
 
-/// What a pipeline draws: any tiles, or those of a Reach (render/draw_list.h) alone.
-SHARED_CONSTANT uint kReachesAnywhere = 0u, kReachesPlain = 1u, kReachesSmall = 2u;
+/// Which tiles a pipeline draws: all, or plain ones, or those that are no more than small (Reach in
+/// render/draw_list.h).
+SHARED_CONSTANT uint kDrawsAll = 0u, kDrawsPlain = 1u, kDrawsSmall = 2u;
 
 /// A draw that may still change the picture, when that was last looked at (occlusion.h).
 struct PassedDraw {
