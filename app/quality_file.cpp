@@ -205,10 +205,10 @@ std::vector<Knob> makeKnobs() {
             [](auto& q) -> auto& { return q.unseenPocketMetres; }),
         number(
             "blend_baseline", "", "images from farther off than this share of the distance are left out", {0, 100},
-            {0.3}, [](auto& q) -> auto& { return q.blend.baseline; }, "blended"),
+            {1.5}, [](auto& q) -> auto& { return q.blend.baseline; }, "blended"),
         number(
             "blend_quarter_baseline", "", "at this share of the distance an image counts a quarter", {1e-4, 10},
-            {0.01, 0.1}, [](auto& q) -> auto& { return q.blend.quarterBaseline; }, "blended"),
+            {0.015, 0.1}, [](auto& q) -> auto& { return q.blend.quarterBaseline; }, "blended"),
         number(
             "blend_depth_tolerance", "", "relative difference in depth up to which samples are of one surface", {0, 1},
             {0.03}, [](auto& q) -> auto& { return q.blend.depthTolerance; }, "blended"),

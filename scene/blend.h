@@ -23,16 +23,16 @@ namespace scene {
 
 struct BlendOptions {
     /// Images taken from farther from the eye than this share of the eye's distance to the surface are left out.
-    float baseline = 1.5f;
+    float baseline = 0.25f;
     /// At this share of the distance an image counts a quarter of one taken from where the eye is.
-    float quarterBaseline = 0.015f;
+    float quarterBaseline = 0.05f;
     /// A sample means the front surface if it would be seen, at that surface's depth, less than this angle (radians,
     /// about) beside where it is: so images from near the eye are believed about silhouettes, whose depth nobody
     /// measured well, and images from far away only where depths agree.
     float parallax = 0.01f;
     float depthTolerance = 0.05f; ///< relative difference of disparity up to which it always does
     float samplesRadius = 0.8f;   ///< of a spot, in samples of its image
-    float pixelsRadius = 0.5f;    ///< what that is widened by, in the eye's pixels
+    float pixelsRadius = 0.7f;    ///< what that is widened by, in the eye's pixels
     float maxRadius = 16.f;       ///< spots that reach farther, pixels, are left out: the front surface is shown alone
     friend bool operator==(const BlendOptions&, const BlendOptions&) = default;
 };
