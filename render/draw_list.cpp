@@ -150,7 +150,9 @@ void placeInView(const SourceView& source, const ResidentTile& tile, const scene
                  DrawList::Chosen& chosen) {
     const glm::dmat4& c = source.eyeImageFromSource;
     const glm::dvec3 middle = 0.5 * (box.least + box.most);
-    const double w = c[0].z * middle.x + c[1].z * middle.y + c[2].z + c[3].z * middle.z;
+    const glm::dvec4 seen = c * glm::dvec4(middle.x, middle.y, 1, middle.z);
+    const double w = seen.z;
+    if (w > 0) chosen.band = bandOf(seen.y / w);
     constexpr double kWidest = 4; // pixels: a sample nearby covers many, but not as many as one would think
     const double width = w > 0 ? std::min(source.pixelsPerSample / w, kWidest) : kWidest;
     chosen.area = static_cast<float>(tile.pointCount * width * width);

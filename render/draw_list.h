@@ -7,6 +7,7 @@
 #include "render/source_views.h"
 
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -47,11 +48,12 @@ struct DrawList {
         vec4 detail{0};
         float orderDisparity = 0; ///< of the tile's middle; infinite if that is not before the eye
         float area = 0;           ///< square pixels that its samples cover, about
+        std::uint32_t band = 0;   ///< of rows of the picture (render/draw_order.h), where the tile's middle is seen
         std::uint32_t kind = 0;   ///< of draws that are put together: batch, shader and so on (render/draw_order.h)
         std::uint32_t batch = 0;
     };
     std::vector<Chosen> chosen;
-    std::vector<std::uint32_t> counts, firstOfPiece, order, firsts;
+    std::vector<std::uint32_t> counts, firstOfPiece, order, firsts, places, byBand;
 };
 
 /// Stand-ins are drawn as surfaces, which stay whole however near one comes, and as points, which close what is left
@@ -60,7 +62,7 @@ struct DrawList {
 inline constexpr std::uint32_t kDrawsPerTile = 2;
 
 /// Fewer items of one eye are drawn sooner than looked at for what is hidden (docs/performance.md).
-inline constexpr std::uint64_t kLeastItemsToLook = 800'000;
+inline constexpr std::uint64_t kLeastItemsToLook = 800'000, kNeverLook = std::numeric_limits<std::uint64_t>::max();
 
 /// Coarse samples that stand in for finer ones are drawn as squares of so many pixels at most.
 inline constexpr int kWidestStandIn = 64;
@@ -77,8 +79,8 @@ bool hasGaps(std::span<const ChunkPlace> places);
 
 /// Chooses all tiles that have items for this warp and are there, and puts them in order. Coarser tiles stand in for
 /// finer ones that are not there. sources: by image, of those whose tiles are visible. picturePixels: of the eye's
-/// image, to divide the list into batches of which each is likely to hide much of the next; 0: one batch, and so with
-/// fewer than leastItems to draw.
+/// image, to draw tiles by where they are seen, and to divide the list into batches of which each is likely to hide
+/// much of the next; 0: neither. Fewer than leastItems to draw are one batch.
 void chooseDraws(const SceneIndex& scene, std::span<const ChunkPlace> places, std::span<const SourceView> sources,
                  const VisibleTiles& visible, const Quality& quality, DrawList& list, double picturePixels = 0,
                  std::uint64_t leastItems = kLeastItemsToLook);

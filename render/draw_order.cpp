@@ -40,38 +40,46 @@ std::uint32_t binOf(float orderDisparity) {
     return std::bit_cast<std::uint32_t>(std::max(orderDisparity, 0.0f)) >> kBinShift;
 }
 
+/// The places of all that was chosen, piece by piece or band by band.
+void listPlaces(bool byBand, DrawList& list) {
+    list.places.clear();
+    for (std::size_t p = 0; p < list.counts.size(); ++p)
+        for (std::uint32_t i = 0; i < list.counts[p]; ++i)
+            list.places.push_back(list.firstOfPiece[p] + i);
+    if (!byBand) return;
+    std::array<std::uint32_t, kBands + 1> next{};
+    for (const std::uint32_t place : list.places)
+        ++next[list.chosen[place].band + 1];
+    std::partial_sum(next.begin(), next.end(), next.begin());
+    list.byBand.resize(list.places.size());
+    for (const std::uint32_t place : list.places)
+        list.byBand[next[list.chosen[place].band]++] = place;
+    list.places.swap(list.byBand);
+}
+
 /// What was chosen, in parts that are gone through at the same time. Where they begin depends on what was chosen alone,
 /// so that sums are rounded alike on any number of threads.
 class Parts {
   public:
     explicit Parts(DrawList& list) : list_(list) {
         constexpr std::size_t kDrawsPerPart = 4096, kMostParts = 16;
-        const std::size_t all = std::accumulate(list.counts.begin(), list.counts.end(), std::size_t{0});
-        const std::size_t parts = std::clamp<std::size_t>(all / kDrawsPerPart, 1, kMostParts);
-        firsts_.push_back(0);
-        for (std::size_t p = 0, before = 0; p < list.counts.size(); ++p) {
-            if (firsts_.size() < parts && before >= firsts_.size() * all / parts) firsts_.push_back(p);
-            before += list.counts[p];
-        }
-        firsts_.push_back(list.counts.size());
+        count_ = std::clamp<std::size_t>(list.places.size() / kDrawsPerPart, 1, kMostParts);
     }
-    std::size_t count() const { return firsts_.size() - 1; }
+    std::size_t count() const { return count_; }
 
     /// visit(part, chosen, its place in list.chosen): parts at the same time, each in order.
     template <class Visit>
     void forAll(Visit&& visit) const {
         tbb::parallel_for(std::size_t{0}, count(), [&](std::size_t part) {
-            for (std::size_t p = firsts_[part]; p < firsts_[part + 1]; ++p) {
-                const std::size_t first = list_.firstOfPiece[p];
-                for (std::size_t place = first; place < first + list_.counts[p]; ++place)
-                    visit(part, list_.chosen[place], place);
-            }
+            const std::size_t all = list_.places.size(), end = (part + 1) * all / count_;
+            for (std::size_t i = part * all / count_; i < end; ++i)
+                visit(part, list_.chosen[list_.places[i]], list_.places[i]);
         });
     }
 
   private:
     DrawList& list_;
-    std::vector<std::size_t> firsts_; ///< pieces, counted as list_.counts does; and where the last part ends
+    std::size_t count_ = 1;
 };
 
 /// All of zero if everything goes into the first.
@@ -197,7 +205,12 @@ void placeParts(Buckets& buckets) {
 
 } // namespace
 
+std::uint32_t bandOf(double row) {
+    return static_cast<std::uint32_t>(std::clamp(row / kBandRows, 0.0, kBands - 1.0));
+}
+
 void orderDraws(double picturePixels, std::uint64_t leastItems, DrawList& list) {
+    listPlaces(picturePixels > 0, list);
     const Parts parts(list);
     std::vector<std::uint64_t> items(parts.count(), 0);
     parts.forAll([&](std::size_t part, const DrawList::Chosen& chosen, std::size_t) { items[part] += chosen.items; });
@@ -221,10 +234,10 @@ void orderDraws(double picturePixels, std::uint64_t leastItems, DrawList& list) 
     makeRuns(buckets, list);
     placeParts(buckets);
     list.order.resize(list.tiles);
-    parts.forAll([&](std::size_t part, DrawList::Chosen& chosen, std::size_t place) {
+    parts.forAll([&](std::size_t part, DrawList::Chosen& chosen, std::uint32_t place) {
         const std::uint32_t bucket = joined[buckets.of(chosen)];
         chosen.kind = buckets.kindOf(bucket);
-        list.order[list.firsts[part * buckets.perPart + bucket]++] = static_cast<std::uint32_t>(place);
+        list.order[list.firsts[part * buckets.perPart + bucket]++] = place;
     });
 }
 

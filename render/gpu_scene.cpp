@@ -5,8 +5,6 @@
 #include "render/device.h"
 #include "scene/errors.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <array>
 #include <cassert>
@@ -36,13 +34,13 @@ GpuScene::GpuScene(const Device& device, std::span<const scene::TileBlock> block
     index_ = SceneIndex(blocks, std::min(scene::kChunkBytes, pageBytes));
     places_.resize(index_.chunks.size());
     if (bytesOf(index_) <= memory.budgetBytes)
-        holdAll(device, blocks, pageBytes);
+        holdAll(device, blocks, {memory.budgetBytes, pageBytes, memory.isStaged});
     else
         holdSome(device, blocks, {memory.budgetBytes, pageBytes, memory.isStaged});
 }
 
-void GpuScene::holdAll(const Device& device, std::span<const scene::TileBlock> blocks, std::size_t pageBytes) {
-    const std::uint32_t room = static_cast<std::uint32_t>(pageBytes / kTexelBytes) / 2 * 2;
+void GpuScene::holdAll(const Device& device, std::span<const scene::TileBlock> blocks, const SceneMemory& memory) {
+    const std::uint32_t room = static_cast<std::uint32_t>(memory.pageBytes / kTexelBytes) / 2 * 2;
     std::vector<std::uint32_t> pages;
     for (std::size_t i = 0; i < places_.size(); ++i) {
         const std::uint32_t texels = index_.chunks[i].texels();
@@ -54,7 +52,7 @@ void GpuScene::holdAll(const Device& device, std::span<const scene::TileBlock> b
     }
     for (std::uint32_t& texels : pages)
         texels = std::max(texels, 2u); // a buffer cannot be empty; nothing ever reads this one
-    pool_ = std::make_unique<TilePool>(device, pages);
+    pool_ = std::make_unique<TilePool>(device, pages, memory.isStaged);
     std::vector<std::uint32_t> all(places_.size());
     std::iota(all.begin(), all.end(), 0u);
     fill(device, blocks, all);
@@ -89,23 +87,20 @@ void GpuScene::holdSome(const Device& device, std::span<const scene::TileBlock> 
         free.emplace_back(pages.back());
         places_[chunk] = {static_cast<std::uint32_t>(pages.size() - 1), free.back().take(texels).value(), false};
     }
-    pool_ = std::make_unique<TilePool>(device, pages);
+    pool_ = std::make_unique<TilePool>(device, pages, memory.isStaged);
     fill(device, blocks, kept);
-    stream_ = std::make_unique<TileStream>(device, index_, blocks, *pool_, kept, std::move(free), memory.isStaged);
+    stream_ = std::make_unique<TileStream>(device, index_, blocks, *pool_, kept, std::move(free));
 }
 
 void GpuScene::fill(const Device& device, std::span<const scene::TileBlock> blocks,
                     std::span<const std::uint32_t> chunks) {
-    for (std::uint32_t page = 0; page < pool_->pageCount(); ++page)
-        pool_->fill(device, page, [&](std::byte* bytes) {
-            tbb::parallel_for(std::size_t{0}, chunks.size(), [&](std::size_t i) {
-                ChunkPlace& place = places_[chunks[i]];
-                if (place.page != page) return;
-                const IndexedChunk& chunk = index_.chunks[chunks[i]];
-                place.isDamaged =
-                    !bringChunk(blocks[chunk.captured], chunk, bytes + std::size_t{place.firstTexel} * kTexelBytes);
-            });
-        });
+    std::vector<TilePool::Part> parts;
+    for (const std::uint32_t chunk : chunks)
+        parts.push_back({places_[chunk], index_.chunks[chunk].texels()});
+    pool_->fill(device, parts, [&](std::size_t i, std::byte* bytes) {
+        const IndexedChunk& chunk = index_.chunks[chunks[i]];
+        places_[chunks[i]].isDamaged = !bringChunk(blocks[chunk.captured], chunk, bytes);
+    });
     for (const std::uint32_t chunk : chunks)
         if (places_[chunk].isDamaged) damaged_.push_back(chunk);
 }

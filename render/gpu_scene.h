@@ -15,9 +15,9 @@
 
 namespace render {
 
-/// Small enough for one allocation and one view on every common device; the few that see less get smaller
-/// pages.
-inline constexpr std::size_t kPageBytes = std::size_t{64} << 20;
+/// Small enough for one allocation and one view on every common device; the few that see less get smaller pages. Each
+/// page is drawn by dispatches of its own, which cost a processor as much as some hundred tiles: so they are large.
+inline constexpr std::size_t kPageBytes = std::size_t{512} << 20;
 
 struct SceneMemory {
     std::size_t budgetBytes = std::numeric_limits<std::size_t>::max(); ///< of what tiles hold
@@ -84,7 +84,7 @@ class GpuScene {
     std::vector<std::uint32_t> takeDamaged();
 
   private:
-    void holdAll(const Device& device, std::span<const scene::TileBlock> blocks, std::size_t pageBytes);
+    void holdAll(const Device& device, std::span<const scene::TileBlock> blocks, const SceneMemory& memory);
     void holdSome(const Device& device, std::span<const scene::TileBlock> blocks, const SceneMemory& memory);
     void fill(const Device& device, std::span<const scene::TileBlock> blocks, std::span<const std::uint32_t> chunks);
 

@@ -266,22 +266,21 @@ void Renderer::choose(Eye& eye, const scene::View& given, const Quality& quality
         findSourceViews(scene_.index(), view, quality, margin, scene_.shares(), eye.sources);
         scene_.index().findPiecesOf(eye.sources.seen, eye.visible.pieces);
         const bool mayStandIn = hasGaps(scene_.places());
-        const auto isWanted = [&](const TilePiece& piece, const SourceView& source) {
-            return mayBeChosen(piece, source, quality, mayStandIn) ||
-                   (quality.isBlended && source.level == 0 && mayBeBlended(piece, source.eyeFromCamera, quality.blend));
-        };
         const auto planesFor = [&](const TilePiece& piece) -> std::optional<ImagePlanes> {
             const SourceView& source = eye.sources.of[piece.image];
-            if (!isWanted(piece, source)) return std::nullopt;
+            const bool isBlended =
+                quality.isBlended && source.level == 0 && mayBeBlended(piece, source.eyeFromCamera, quality.blend);
+            if (!isBlended && !mayBeChosen(piece, source, quality, mayStandIn)) return std::nullopt;
             return planesOf(source.eyeImageFromSource, eye.warpWidth, eye.warpHeight, margin,
                             scene_.images()[piece.image].extent);
         };
         cull(scene_.bounds(), scene_.pieces(), planesFor, eye.visible);
     });
+    const std::uint64_t leastItems = device_.looksAlways() ? 0 : kLeastItemsToLook;
     timed(eye.times, "choose", index, [&] {
         chooseDraws(scene_.index(), scene_.places(), eye.sources.of, eye.visible, quality, eye.list,
-                    leavesOutHidden(quality) ? static_cast<double>(eye.warpWidth) * eye.warpHeight : 0,
-                    device_.looksAlways() ? 0 : kLeastItemsToLook);
+                    device_.isProcessor() ? static_cast<double>(eye.warpWidth) * eye.warpHeight : 0,
+                    leavesOutHidden(quality) ? leastItems : kNeverLook);
         if (quality.isBlended)
             chooseBlendDraws(scene_.index(), scene_.places(), capturedOf(eye), eye.visible, quality.blend,
                              polygonPass_.has_value(), eye.blendList);

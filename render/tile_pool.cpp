@@ -3,16 +3,21 @@
 #include "render/command_streams.h"
 #include "render/device.h"
 
+#include <tbb/parallel_for.h>
+
 namespace render {
 
 namespace {
 
 constexpr std::array kPageBindings{Binding::texels, Binding::texels, Binding::texels, Binding::texels};
 
+/// What a device gets at a time whose memory the processor cannot see.
+constexpr std::size_t kStagedBytes = std::size_t{64} << 20;
+
 } // namespace
 
-TilePool::TilePool(const Device& device, std::span<const std::uint32_t> texelsOfPages)
-    : layout_(makeSetLayout(device, kPageBindings)) {
+TilePool::TilePool(const Device& device, std::span<const std::uint32_t> texelsOfPages, bool isStaged)
+    : layout_(makeSetLayout(device, kPageBindings)), isStaged_(isStaged) {
     if (texelsOfPages.empty()) return;
     pool_ = makeSetPool(device, texelsOfPages.size(), kPageBindings);
     for (const std::uint32_t texels : texelsOfPages) {
@@ -29,18 +34,33 @@ TilePool::TilePool(const Device& device, std::span<const std::uint32_t> texelsOf
     }
 }
 
-void TilePool::fill(const Device& device, std::size_t page, const std::function<void(std::byte*)>& write) {
-    const Buffer& target = pages_[page].buffer;
-    if (target.mapped() != nullptr) {
-        write(target.mapped());
-        return;
-    }
-    const Buffer staging(device, target.size(), VK_BUFFER_USAGE_TRANSFER_SRC_BIT, MemoryUse::hostWrites);
-    write(staging.mapped());
-    runAndWait(device, [&](VkCommandBuffer commands) {
-        const VkBufferCopy all{0, 0, staging.size()};
-        vkCmdCopyBuffer(commands, staging.handle(), target.handle(), 1, &all);
+void TilePool::fill(const Device& device, std::span<const Part> parts,
+                    const std::function<void(std::size_t, std::byte*)>& write) {
+    std::vector<std::size_t> unseen; ///< parts that the processor cannot write to
+    for (std::size_t i = 0; i < parts.size(); ++i)
+        if (mapped(parts[i].place) == nullptr) unseen.push_back(i);
+    tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t i) {
+        if (std::byte* const bytes = mapped(parts[i].place)) write(i, bytes);
     });
+    const auto bytesOf = [&](std::size_t i) { return std::size_t{parts[i].texels} * kTexelBytes; };
+    for (std::size_t first = 0, end = 0; first < unseen.size(); first = end) {
+        std::vector<std::size_t> offsets; ///< in the staging buffer
+        std::size_t bytes = 0;
+        while (end < unseen.size() && (end == first || bytes + bytesOf(unseen[end]) <= kStagedBytes)) {
+            offsets.push_back(bytes);
+            bytes += bytesOf(unseen[end++]);
+        }
+        const Buffer staging(device, bytes, VK_BUFFER_USAGE_TRANSFER_SRC_BIT, MemoryUse::hostWrites);
+        tbb::parallel_for(first, end, [&](std::size_t k) { write(unseen[k], staging.mapped() + offsets[k - first]); });
+        runAndWait(device, [&](VkCommandBuffer commands) {
+            for (std::size_t k = first; k < end; ++k) {
+                const ChunkPlace& place = parts[unseen[k]].place;
+                const VkBufferCopy one{offsets[k - first], std::size_t{place.firstTexel} * kTexelBytes,
+                                       bytesOf(unseen[k])};
+                vkCmdCopyBuffer(commands, staging.handle(), bufferOf(place.page), 1, &one);
+            }
+        });
+    }
 }
 
 } // namespace render

@@ -16,8 +16,9 @@ namespace render {
 
 class TilePool {
   public:
-    /// A page of so many texels each. Throws scene::Failure if the device's memory does not suffice.
-    TilePool(const Device& device, std::span<const std::uint32_t> texelsOfPages);
+    /// A page of so many texels each. isStaged: as if the processor could not see the device's memory. Throws
+    /// scene::Failure if that does not suffice.
+    TilePool(const Device& device, std::span<const std::uint32_t> texelsOfPages, bool isStaged);
 
     std::size_t pageCount() const { return pages_.size(); }
     std::uint32_t texelsOf(std::size_t page) const { return pages_[page].texels; }
@@ -31,13 +32,20 @@ class TilePool {
 
     /// Where a place is seen by the processor; null if it cannot see the device's memory, or that is nowhere.
     std::byte* mapped(const ChunkPlace& place) const {
-        if (place.page >= pages_.size()) return nullptr;
+        if (isStaged_ || place.page >= pages_.size()) return nullptr;
         std::byte* const page = pages_[place.page].buffer.mapped();
         return page != nullptr ? page + std::size_t{place.firstTexel} * kTexelBytes : nullptr;
     }
 
-    /// Lets `write` fill the whole page (which starts undefined), and waits until the device has it.
-    void fill(const Device& device, std::size_t page, const std::function<void(std::byte*)>& write);
+    /// A place and how much of it there is.
+    struct Part {
+        ChunkPlace place;
+        std::uint32_t texels = 0;
+    };
+    /// Lets write(i, bytes) fill each part (what is there starts undefined), several at the same time, and waits until
+    /// the device has them.
+    void fill(const Device& device, std::span<const Part> parts,
+              const std::function<void(std::size_t, std::byte*)>& write);
 
   private:
     struct Page {
@@ -47,6 +55,7 @@ class TilePool {
         std::uint32_t texels = 0;
     };
     VkDescriptorSetLayout layout_ = VK_NULL_HANDLE;
+    bool isStaged_;
     DescriptorPool pool_;
     std::vector<Page> pages_;
     std::size_t bytes_ = 0;

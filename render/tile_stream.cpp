@@ -44,10 +44,9 @@ struct TileStream::Copy {
 };
 
 TileStream::TileStream(const Device& device, const SceneIndex& index, std::span<const scene::TileBlock> blocks,
-                       const TilePool& pool, std::span<const std::uint32_t> kept, std::vector<RangeAllocator> free,
-                       bool isStaged)
+                       const TilePool& pool, std::span<const std::uint32_t> kept, std::vector<RangeAllocator> free)
     : device_(device), index_(index), blocks_(blocks), pool_(pool), coarser_(coarserChunksOf(index)),
-      isStaged_(isStaged || pool.mapped({0, 0, false}) == nullptr), free_(std::move(free)),
+      isStaged_(pool.mapped({0, 0, false}) == nullptr), free_(std::move(free)),
       states_(index.chunks.size(), State::absent), loaded_(index.chunks.size()) {
     for (const std::uint32_t chunk : kept)
         states_[chunk] = State::kept;

@@ -30,10 +30,9 @@ struct StreamCounts {
 class TileStream {
   public:
     /// All must outlive it. kept: chunks that are in their places and stay there. free: what is left of each page of
-    /// the pool. isStaged: as if the processor could not see the device's memory.
+    /// the pool.
     TileStream(const Device& device, const SceneIndex& index, std::span<const scene::TileBlock> blocks,
-               const TilePool& pool, std::span<const std::uint32_t> kept, std::vector<RangeAllocator> free,
-               bool isStaged);
+               const TilePool& pool, std::span<const std::uint32_t> kept, std::vector<RangeAllocator> free);
     ~TileStream();
     TileStream(const TileStream&) = delete;
     TileStream& operator=(const TileStream&) = delete;

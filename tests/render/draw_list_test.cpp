@@ -312,7 +312,7 @@ TEST(DrawList, IsTheSameOnAnyNumberOfThreads) {
     EXPECT_EQ(std::memcmp(draws[0].data(), draws[1].data(), draws[0].size() * sizeof(TileDraw)), 0);
 }
 
-TEST(DrawList, OfManyTilesHasEachOnceAndRunsInTheOrderOfMemory) {
+TEST(DrawList, OfManyTilesHasEachOnceAndRunsFromTopToBottom) {
     const Many many = manyTiles(50000);
     std::vector<TileDraw> draws;
     DrawList list;
@@ -332,11 +332,13 @@ TEST(DrawList, OfManyTilesHasEachOnceAndRunsInTheOrderOfMemory) {
             batches = run.batch, farthestBefore = farthest, nearest = 0;
         }
         EXPECT_EQ(run.batch, batches);
-        for (std::uint32_t i = run.first, before = 0; i < next; ++i) {
+        std::pair<std::uint32_t, std::uint32_t> before;
+        for (std::uint32_t i = run.first; i < next; ++i) {
             const DrawList::Chosen& chosen = list.chosen[list.order[i]];
             ++drawn[chosen.tile];
-            EXPECT_TRUE(i == run.first || chosen.tile > before);
-            before = chosen.tile;
+            const std::pair place(chosen.band, chosen.tile);
+            EXPECT_TRUE(i == run.first || place > before);
+            before = place;
             EXPECT_EQ(many.places[chosen.tile].page, run.page);
             EXPECT_EQ(draws[i].detail.w, static_cast<float>(run.number));
             nearest = std::max(nearest, chosen.orderDisparity);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <utility>
 #include <vector>
 
 namespace render {
@@ -61,6 +62,26 @@ TEST(DrawOrder, PlainSplatsStayAmongThemselves) {
     const DrawList list = listOf(Warp::splats, {5, 0, 50});
     ASSERT_EQ(list.runs.size(), 2u);
     EXPECT_EQ(list.runs[0].count, 5u);
+}
+
+TEST(DrawOrder, TilesComeFromTopToBottomAndThenAsTheyWereChosen) {
+    DrawList list;
+    for (std::uint32_t i = 0; i < 9000; ++i) { // of three pieces; in parts
+        DrawList::Chosen chosen{.tile = i, .items = 1, .warp = Warp::points, .reach = Reach::plain};
+        chosen.band = bandOf(static_cast<double>(i * 7919 % 1000) - 100.0);
+        list.chosen.push_back(chosen);
+    }
+    list.counts = {4000, 0, 5000}, list.firstOfPiece = {0, 4000, 4000};
+    orderDraws(640 * 480, kNeverLook, list);
+    ASSERT_EQ(list.runs.size(), 1u);
+    ASSERT_EQ(list.order.size(), list.chosen.size());
+    EXPECT_TRUE(std::ranges::is_sorted(list.order, {},
+                                       [&](std::uint32_t place) { return std::pair(list.chosen[place].band, place); }));
+    EXPECT_EQ(list.chosen[list.order.front()].band, 0u);
+    EXPECT_EQ(list.chosen[list.order.back()].band, 899u / kBandRows);
+    // Where there is no picture to speak of, as they were chosen.
+    orderDraws(0, kNeverLook, list);
+    EXPECT_TRUE(std::ranges::is_sorted(list.order));
 }
 
 } // namespace

@@ -163,13 +163,19 @@ TEST_F(EdgeCases, ListsGrowWithWhatIsSeen) {
 
 TEST_F(EdgeCases, MoreThanAPageOfVertices) {
     // The same block again and again: 70 MiB of vertices.
+    constexpr std::size_t kSmallPageBytes = std::size_t{64} << 20;
     const CutScene plane = cut({takePlane(cameraOf(512, 512, 1.5), {0, 0, 1}, 2)});
     const std::vector<scene::TileBlock> blocks(36, plane.blocks()[0]);
-    const GpuScene scene(testDevice(), blocks);
-    EXPECT_GT(scene.bytesResident(), 2 * kPageBytes);
+    const GpuScene scene(testDevice(), blocks, kSmallPageBytes);
+    EXPECT_GT(scene.bytesResident(), 2 * kSmallPageBytes);
     EXPECT_GE(scene.pageCount(), 2u);
+    EXPECT_EQ(GpuScene(testDevice(), blocks).pageCount(), 1u);
     const scene::View view{kEdgeEye, {}};
-    EXPECT_TRUE(isSame(drawOnce(scene, view, {}), drawOnce(GpuScene(testDevice(), plane.blocks()), view, {})));
+    const EyeImage once = drawOnce(GpuScene(testDevice(), plane.blocks()), view, {});
+    EXPECT_TRUE(isSame(drawOnce(scene, view, {}), once));
+    // Brought in several goes where the processor cannot see the device's memory.
+    const GpuScene staged(testDevice(), blocks, {.pageBytes = kSmallPageBytes, .isStaged = true});
+    EXPECT_TRUE(isSame(drawOnce(staged, view, {}), once));
 }
 
 TEST_F(EdgeCases, OnePixelAndOddSizes) {
