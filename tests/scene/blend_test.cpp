@@ -62,7 +62,7 @@ TEST(BlendSpot, ImagesCountTheLessTheFartherTheyWereTakenFromTheEye) {
 
 TEST(BlendSpot, DepthIsAskedTheLessTheNearerTheImageWasTaken) {
     const Middle at2m = middleAt(0.5);
-    const BlendOptions options{.parallax = 0.01f, .depthTolerance = 0.05f};
+    const BlendOptions options{.baseline = 1.5f, .parallax = 0.01f, .depthTolerance = 0.05f};
     EXPECT_EQ(spotFor(eyeBeside(0), at2m, options)->tolerance, 1);
     EXPECT_NEAR(spotFor(eyeBeside(besideFor(0.05)), at2m, options)->tolerance, 0.2, 1e-4);
     EXPECT_EQ(spotFor(eyeBeside(besideFor(0.4)), at2m, options)->tolerance, 0.05f);
