@@ -1,7 +1,7 @@
 #pragma once
 // In which order chosen tiles are drawn: in batches of which each is likely to hide much of the next, in each batch
-// by the shaders that draw them, page by page, and of each of those from the picture's top to its bottom. The z-buffer
-// makes no difference between orders.
+// by the shaders that draw them, page by page, and on processors each of those from the picture's top to its bottom.
+// The z-buffer makes no difference between orders.
 
 #include "render/draw_list.h"
 

@@ -5,6 +5,8 @@
 
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
+
 namespace render {
 
 namespace {
@@ -36,27 +38,30 @@ TilePool::TilePool(const Device& device, std::span<const std::uint32_t> texelsOf
 
 void TilePool::fill(const Device& device, std::span<const Part> parts,
                     const std::function<void(std::size_t, std::byte*)>& write) {
-    std::vector<std::size_t> unseen; ///< parts that the processor cannot write to
+    std::vector<std::size_t> staged; ///< parts that the processor cannot write to
     for (std::size_t i = 0; i < parts.size(); ++i)
-        if (mapped(parts[i].place) == nullptr) unseen.push_back(i);
+        if (mapped(parts[i].place) == nullptr) staged.push_back(i);
     tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t i) {
         if (std::byte* const bytes = mapped(parts[i].place)) write(i, bytes);
     });
     const auto bytesOf = [&](std::size_t i) { return std::size_t{parts[i].texels} * kTexelBytes; };
-    for (std::size_t first = 0, end = 0; first < unseen.size(); first = end) {
+    for (std::size_t first = 0, end = 0; first < staged.size(); first = end) {
         std::vector<std::size_t> offsets; ///< in the staging buffer
         std::size_t bytes = 0;
-        while (end < unseen.size() && (end == first || bytes + bytesOf(unseen[end]) <= kStagedBytes)) {
+        while (end < staged.size() && (end == first || bytes + bytesOf(staged[end]) <= kStagedBytes)) {
             offsets.push_back(bytes);
-            bytes += bytesOf(unseen[end++]);
+            bytes += bytesOf(staged[end++]);
         }
-        const Buffer staging(device, bytes, VK_BUFFER_USAGE_TRANSFER_SRC_BIT, MemoryUse::hostWrites);
-        tbb::parallel_for(first, end, [&](std::size_t k) { write(unseen[k], staging.mapped() + offsets[k - first]); });
+        // A chunk may be empty; a buffer, or what is copied of it, may not.
+        const Buffer staging(device, std::max(bytes, kTexelBytes), VK_BUFFER_USAGE_TRANSFER_SRC_BIT,
+                             MemoryUse::hostWrites);
+        tbb::parallel_for(first, end, [&](std::size_t k) { write(staged[k], staging.mapped() + offsets[k - first]); });
         runAndWait(device, [&](VkCommandBuffer commands) {
             for (std::size_t k = first; k < end; ++k) {
-                const ChunkPlace& place = parts[unseen[k]].place;
+                const ChunkPlace& place = parts[staged[k]].place;
+                if (bytesOf(staged[k]) == 0) continue;
                 const VkBufferCopy one{offsets[k - first], std::size_t{place.firstTexel} * kTexelBytes,
-                                       bytesOf(unseen[k])};
+                                       bytesOf(staged[k])};
                 vkCmdCopyBuffer(commands, staging.handle(), bufferOf(place.page), 1, &one);
             }
         });

@@ -32,7 +32,7 @@ struct BlendOptions {
     float parallax = 0.01f;
     float depthTolerance = 0.05f; ///< relative difference of disparity up to which it always does
     /// Of a spot, in samples of its image; and what that is widened by, in the eye's pixels. Their squares are less
-    /// than 1 together, so that an image comes back exactly where it was taken.
+    /// than 1 together, so that an eye of its resolution gets an image back exactly where it was taken.
     float samplesRadius = 0.75f, pixelsRadius = 0.65f;
     float maxRadius = 16.f; ///< spots that reach farther, pixels, are left out: the front surface is shown alone
     friend bool operator==(const BlendOptions&, const BlendOptions&) = default;

@@ -1,4 +1,5 @@
 #include "render/draw_list.h"
+#include "render/draw_order.h"
 #include "render/shaders/shared/detail.h"
 #include "render/shaders/shared/splat.h"
 #include "tests/render/test_scenes.h"
@@ -12,6 +13,7 @@
 #include <limits>
 #include <optional>
 #include <random>
+#include <set>
 
 namespace render {
 namespace {
@@ -56,9 +58,9 @@ Many manyTiles(std::uint32_t count) {
     return many;
 }
 
-DrawList listOf(const Many& many, const Quality& quality, std::vector<TileDraw>& draws) {
+DrawList listOf(const Many& many, const Quality& quality, std::vector<TileDraw>& draws, double picturePixels = 0) {
     DrawList list;
-    chooseDraws(many.scene, many.places, many.sources, many.visible, quality, list);
+    chooseDraws(many.scene, many.places, many.sources, many.visible, quality, list, picturePixels, 0);
     draws.assign(list.tiles, {});
     writeDraws(many.scene, many.places, many.sources, list, draws);
     return list;
@@ -304,23 +306,23 @@ TEST(DrawList, SquaresBeforeTheEyeOfWhichSomeAreOfAnotherLevelAreSmall) {
 
 TEST(DrawList, IsTheSameOnAnyNumberOfThreads) {
     const Many many = manyTiles(50000); // enough for several parts to be put in order at the same time
-    std::vector<std::vector<TileDraw>> draws(2);
-    for (std::size_t run = 0; run < 2; ++run) {
-        const tbb::global_control threads(tbb::global_control::max_allowed_parallelism, run + 1);
-        listOf(many, {}, draws[run]);
+    for (const double picturePixels : {0.0, 240.0 * 180}) { // as cards draw, and as processors do
+        std::vector<std::vector<TileDraw>> draws(2);
+        for (std::size_t run = 0; run < 2; ++run) {
+            const tbb::global_control threads(tbb::global_control::max_allowed_parallelism, run + 1);
+            listOf(many, {}, draws[run], picturePixels);
+        }
+        ASSERT_EQ(draws[0].size(), draws[1].size());
+        EXPECT_EQ(std::memcmp(draws[0].data(), draws[1].data(), draws[0].size() * sizeof(TileDraw)), 0);
     }
-    EXPECT_EQ(std::memcmp(draws[0].data(), draws[1].data(), draws[0].size() * sizeof(TileDraw)), 0);
 }
 
 TEST(DrawList, OfManyTilesHasEachOnceAndRunsFromTopToBottom) {
     const Many many = manyTiles(50000);
     std::vector<TileDraw> draws;
-    DrawList list;
-    chooseDraws(many.scene, many.places, many.sources, many.visible, {.maxFootprint = 2, .footprintScale = 3}, list,
-                240 * 180, 0);
-    draws.assign(list.tiles, {});
-    writeDraws(many.scene, many.places, many.sources, list, draws);
+    const DrawList list = listOf(many, {.maxFootprint = 2, .footprintScale = 3}, draws, 240 * 180);
     std::vector<int> drawn(50000, 0);
+    std::set<std::uint32_t> bands;
     std::uint32_t batches = 0, next = 0;
     float farthestBefore = std::numeric_limits<float>::infinity(); // of the batch before
     float nearest = 0, farthest = farthestBefore;
@@ -336,6 +338,15 @@ TEST(DrawList, OfManyTilesHasEachOnceAndRunsFromTopToBottom) {
         for (std::uint32_t i = run.first; i < next; ++i) {
             const DrawList::Chosen& chosen = list.chosen[list.order[i]];
             ++drawn[chosen.tile];
+            const TileBounds& of = many.scene.bounds;
+            const std::uint32_t t = chosen.tile;
+            const glm::dvec4 seen = many.sources[many.scene.tiles[t].image].eyeImageFromSource *
+                                    glm::dvec4(0.5 * (of.xMin[t] + of.xMax[t]), 0.5 * (of.yMin[t] + of.yMax[t]), 1,
+                                               0.5 * (static_cast<double>(of.dMin[t]) + of.dMax[t]));
+            if (seen.z > 0) {
+                EXPECT_EQ(chosen.band, bandOf(seen.y / seen.z)) << t;
+            }
+            bands.insert(chosen.band);
             const std::pair place(chosen.band, chosen.tile);
             EXPECT_TRUE(i == run.first || place > before);
             before = place;
@@ -348,6 +359,7 @@ TEST(DrawList, OfManyTilesHasEachOnceAndRunsFromTopToBottom) {
     }
     EXPECT_EQ(next, list.tiles);
     EXPECT_EQ(batches, 2u);
+    EXPECT_GT(bands.size(), 5u) << "tiles stand high and low";
     for (std::size_t i = 0; i < drawn.size(); ++i)
         EXPECT_EQ(drawn[i], many.scene.tiles[i].pointCount > 0 ? 1 : 0) << i;
 }

@@ -162,20 +162,46 @@ TEST_F(EdgeCases, ListsGrowWithWhatIsSeen) {
 }
 
 TEST_F(EdgeCases, MoreThanAPageOfVertices) {
-    // The same block again and again: 70 MiB of vertices.
+    // The same block again and again: 70 MiB of vertices. The first, one in the middle and the last stand nearer, aside
+    // of each other, so that what is missing of any shows.
     constexpr std::size_t kSmallPageBytes = std::size_t{64} << 20;
     const CutScene plane = cut({takePlane(cameraOf(512, 512, 1.5), {0, 0, 1}, 2)});
-    const std::vector<scene::TileBlock> blocks(36, plane.blocks()[0]);
+    std::vector<scene::TileBlock> blocks(36, plane.blocks()[0]);
+    blocks[0].worldFromCamera.translation = {-0.9, 0, -0.1};
+    blocks[18].worldFromCamera.translation = {0.9, 0, -0.2};
+    blocks[35].worldFromCamera.translation = {0, 0.9, -0.3};
+    const std::vector few{blocks[0], blocks[1], blocks[18], blocks[35]};
     const GpuScene scene(testDevice(), blocks, kSmallPageBytes);
     EXPECT_GT(scene.bytesResident(), 2 * kSmallPageBytes);
     EXPECT_GE(scene.pageCount(), 2u);
     EXPECT_EQ(GpuScene(testDevice(), blocks).pageCount(), 1u);
     const scene::View view{kEdgeEye, {}};
-    const EyeImage once = drawOnce(GpuScene(testDevice(), plane.blocks()), view, {});
+    const EyeImage once = drawOnce(GpuScene(testDevice(), few), view, {});
     EXPECT_TRUE(isSame(drawOnce(scene, view, {}), once));
     // Brought in several goes where the processor cannot see the device's memory.
     const GpuScene staged(testDevice(), blocks, {.pageBytes = kSmallPageBytes, .isStaged = true});
     EXPECT_TRUE(isSame(drawOnce(staged, view, {}), once));
+    for (std::size_t left = 0; left < few.size(); ++left) {
+        if (left == 1) continue; // one of many that stand in the same place
+        std::vector<scene::TileBlock> others = few;
+        others.erase(others.begin() + static_cast<std::ptrdiff_t>(left));
+        EXPECT_FALSE(isSame(drawOnce(GpuScene(testDevice(), others), view, {}), once)) << left;
+    }
+}
+
+TEST_F(EdgeCases, AChunkMayBeEmpty) {
+    const CutScene plane = cut({takePlane(cameraOf(64, 64, 1.5), {0, 0, 1}, 2)});
+    const std::array nothing{scene::Tile{.width = 8, .height = 8}};
+    scene::TileBlock empty = plane.blocks()[0];
+    empty.tiles = nothing, empty.vertices = {}, empty.quads = {};
+    const scene::View view{kEdgeEye, {}};
+    for (const bool isStaged : {false, true}) {
+        const auto drawn = [&](const std::vector<scene::TileBlock>& blocks) {
+            return drawOnce(GpuScene(testDevice(), blocks, {.isStaged = isStaged}), view, {});
+        };
+        EXPECT_EQ(coverage(drawn({empty})), 0.0);
+        EXPECT_TRUE(isSame(drawn({empty, plane.blocks()[0]}), drawn(plane.blocks())));
+    }
 }
 
 TEST_F(EdgeCases, OnePixelAndOddSizes) {
