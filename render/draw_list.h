@@ -53,7 +53,9 @@ struct DrawList {
         std::uint32_t batch = 0;
     };
     std::vector<Chosen> chosen;
-    std::vector<std::uint32_t> counts, firstOfPiece, order, firsts, places, byBand;
+    std::vector<std::uint32_t> counts, firstOfPiece, order, firsts;
+    /// All by its place in chosen, before kinds are told apart; byBand: where those are sorted.
+    std::vector<std::uint32_t> inTurn, byBand;
 };
 
 /// Stand-ins are drawn as surfaces, which stay whole however near one comes, and as points, which close what is left

@@ -40,21 +40,21 @@ std::uint32_t binOf(float orderDisparity) {
     return std::bit_cast<std::uint32_t>(std::max(orderDisparity, 0.0f)) >> kBinShift;
 }
 
-/// The places of all that was chosen, piece by piece or band by band.
-void listPlaces(bool byBand, DrawList& list) {
-    list.places.clear();
+/// All that was chosen by its place in list.chosen, piece by piece or band by band.
+void putInTurn(bool byBand, DrawList& list) {
+    list.inTurn.clear();
     for (std::size_t p = 0; p < list.counts.size(); ++p)
         for (std::uint32_t i = 0; i < list.counts[p]; ++i)
-            list.places.push_back(list.firstOfPiece[p] + i);
+            list.inTurn.push_back(list.firstOfPiece[p] + i);
     if (!byBand) return;
     std::array<std::uint32_t, kBands + 1> next{};
-    for (const std::uint32_t place : list.places)
+    for (const std::uint32_t place : list.inTurn)
         ++next[list.chosen[place].band + 1];
     std::partial_sum(next.begin(), next.end(), next.begin());
-    list.byBand.resize(list.places.size());
-    for (const std::uint32_t place : list.places)
+    list.byBand.resize(list.inTurn.size());
+    for (const std::uint32_t place : list.inTurn)
         list.byBand[next[list.chosen[place].band]++] = place;
-    list.places.swap(list.byBand);
+    list.inTurn.swap(list.byBand);
 }
 
 /// What was chosen, in parts that are gone through at the same time. Where they begin depends on what was chosen alone,
@@ -63,7 +63,7 @@ class Parts {
   public:
     explicit Parts(DrawList& list) : list_(list) {
         constexpr std::size_t kDrawsPerPart = 4096, kMostParts = 16;
-        count_ = std::clamp<std::size_t>(list.places.size() / kDrawsPerPart, 1, kMostParts);
+        count_ = std::clamp<std::size_t>(list.inTurn.size() / kDrawsPerPart, 1, kMostParts);
     }
     std::size_t count() const { return count_; }
 
@@ -71,9 +71,9 @@ class Parts {
     template <class Visit>
     void forAll(Visit&& visit) const {
         tbb::parallel_for(std::size_t{0}, count(), [&](std::size_t part) {
-            const std::size_t all = list_.places.size(), end = (part + 1) * all / count_;
+            const std::size_t all = list_.inTurn.size(), end = (part + 1) * all / count_;
             for (std::size_t i = part * all / count_; i < end; ++i)
-                visit(part, list_.chosen[list_.places[i]], list_.places[i]);
+                visit(part, list_.chosen[list_.inTurn[i]], list_.inTurn[i]);
         });
     }
 
@@ -210,7 +210,7 @@ std::uint32_t bandOf(double row) {
 }
 
 void orderDraws(double picturePixels, std::uint64_t leastItems, DrawList& list) {
-    listPlaces(picturePixels > 0, list);
+    putInTurn(picturePixels > 0, list);
     const Parts parts(list);
     std::vector<std::uint64_t> items(parts.count(), 0);
     parts.forAll([&](std::size_t part, const DrawList::Chosen& chosen, std::size_t) { items[part] += chosen.items; });

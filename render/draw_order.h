@@ -11,6 +11,7 @@ namespace render {
 /// threads take a share of the tiles each, hardly two of them write to the same pixels (docs/performance.md).
 inline constexpr int kBandRows = 16;
 inline constexpr std::uint32_t kBands = 256;
+/// Of a row of the picture, pixels: above its top the first, far below its bottom the last.
 std::uint32_t bandOf(double row);
 
 /// Puts list.chosen in order. picturePixels, leastItems: as for chooseDraws. The same on any number of threads.

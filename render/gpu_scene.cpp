@@ -30,13 +30,14 @@ std::string mebibytes(std::size_t bytes) {
 } // namespace
 
 GpuScene::GpuScene(const Device& device, std::span<const scene::TileBlock> blocks, const SceneMemory& memory) {
-    const std::size_t pageBytes = std::min(memory.pageBytes, device.limits().maxTexelBufferElements * kTexelBytes);
-    index_ = SceneIndex(blocks, std::min(scene::kChunkBytes, pageBytes));
+    SceneMemory possible = memory;
+    possible.pageBytes = std::min(memory.pageBytes, device.limits().maxTexelBufferElements * kTexelBytes);
+    index_ = SceneIndex(blocks, std::min(scene::kChunkBytes, possible.pageBytes));
     places_.resize(index_.chunks.size());
     if (bytesOf(index_) <= memory.budgetBytes)
-        holdAll(device, blocks, {memory.budgetBytes, pageBytes, memory.isStaged});
+        holdAll(device, blocks, possible);
     else
-        holdSome(device, blocks, {memory.budgetBytes, pageBytes, memory.isStaged});
+        holdSome(device, blocks, possible);
 }
 
 void GpuScene::holdAll(const Device& device, std::span<const scene::TileBlock> blocks, const SceneMemory& memory) {

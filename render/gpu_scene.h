@@ -16,7 +16,7 @@
 namespace render {
 
 /// Small enough for one allocation and one view on every common device; the few that see less get smaller pages. Each
-/// page is drawn by dispatches of its own, which cost a processor as much as some hundred tiles: so they are large.
+/// page is drawn by dispatches of its own: so they are large.
 inline constexpr std::size_t kPageBytes = std::size_t{512} << 20;
 
 struct SceneMemory {
