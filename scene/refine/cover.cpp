@@ -3,6 +3,7 @@
 #include "scene/refine/open_space.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <limits>
 
@@ -18,12 +19,23 @@ constexpr double kMiddleShare = 0.1;   ///< of a smallest cell's edge, to either
 constexpr int kParallelLevels = 3;     ///< deeper, a task would be too small
 constexpr int kSampleStep = 4;         ///< every so many samples, across and down, bound the cube
 constexpr double kOutlierShare = 5e-4; ///< of an image's samples, at each end of an axis, may lie outside
+constexpr int kSampledLevel = 3;       ///< where an estimate carves some nodes and passes over others
+constexpr int kEstimateShare = 16;     ///< it carves one in so many
+constexpr double kUnsure = 1.1;        ///< an estimate may be wrong by so much
+constexpr double kMayShrink = 1.25;    ///< later images take nodes away, hardly more than this times what stays
 
 /// A node that grows. Cells in none of the masks are unseen; children in the order of their bits.
 struct Growing {
     std::uint64_t empty = 0, surface = 0, divided = 0;
     std::vector<Growing> children;
 };
+
+std::int64_t countNodes(const Growing& node) {
+    std::int64_t count = 1;
+    for (const Growing& child : node.children)
+        count += countNodes(child);
+    return count;
+}
 
 /// How an image carves: its camera in the tree's axes, and how small its cells become.
 struct Carver {
@@ -32,7 +44,7 @@ struct Carver {
     glm::dvec3 halfOfUnit{0.0}; ///< half extents, in the camera's axes, of a unit cube along the world's
     bool isCoarse = false;
     double nearestMetres = 0, smallest = 0, atSurface = 0; ///< the last two in samples' spacings
-    double largestEdge = 0;
+    int shareOf = 1; ///< of the nodes of kSampledLevel one in so many is carved, and counts for all of them
 
     double spacingAt(const glm::dvec3& pInCamera) const {
         return space.spacingAt(std::max(pInCamera.z, nearestMetres));
@@ -53,8 +65,9 @@ class Carving {
   public:
     Carving(const Carver& carver) : c_(carver) {}
 
-    /// centre: of the node, in the camera.
-    void carve(Growing& node, const glm::dvec3& centre, double edge, int level) const {
+    /// How many nodes there are more then. centre: of the node, in the camera; path: by the bits of its cells, from
+    /// the root down.
+    std::int64_t carve(Growing& node, const glm::dvec3& centre, double edge, int level, std::uint64_t path) const {
         const double cell = edge / kCoverageBranching;
         const int side = !c_.isCoarse && 2 * cell <= c_.smallest * c_.spacingAt(centre) && node.divided == 0 ? 2 : 1;
         std::uint64_t toCarve = 0;
@@ -62,9 +75,9 @@ class Carving {
             for (int y = 0; y < kCoverageBranching; y += 2)
                 for (int x = 0; x < kCoverageBranching; x += 2)
                     toCarve |= carveOctant(node, {x, y, z}, side, centre, cell, level);
-        divide(node, toCarve & ~node.divided);
-        carveChildren(node, toCarve, centre, cell, level);
-        collapse(node);
+        std::int64_t grown = divide(node, toCarve & ~node.divided);
+        grown += carveChildren(node, toCarve, centre, cell, level, path);
+        return grown - collapse(node);
     }
 
   private:
@@ -123,8 +136,8 @@ class Carving {
         return false;
     }
 
-    static void divide(Growing& node, std::uint64_t cells) {
-        if (cells == 0) return;
+    static int divide(Growing& node, std::uint64_t cells) {
+        if (cells == 0) return 0;
         std::vector<Growing> children(static_cast<std::size_t>(std::popcount(node.divided | cells)));
         for (std::uint64_t left = node.divided; left != 0; left &= left - 1) {
             const int bit = std::countr_zero(left);
@@ -132,26 +145,44 @@ class Carving {
         }
         node.divided |= cells;
         node.children = std::move(children);
+        return std::popcount(cells);
     }
 
-    void carveChildren(Growing& node, std::uint64_t cells, const glm::dvec3& centre, double cell, int level) const {
+    bool isCarved(int level, std::uint64_t path) const {
+        constexpr std::uint64_t kScatter = 0x9e3779b97f4a7c15; // Knuth's multiplicative hash; its upper bits are mixed
+        return level != kSampledLevel || (path * kScatter >> 32) % static_cast<std::uint64_t>(c_.shareOf) == 0;
+    }
+
+    std::int64_t carveChildren(Growing& node, std::uint64_t cells, const glm::dvec3& centre, double cell, int level,
+                               std::uint64_t path) const {
         std::vector<int> bits;
         for (; cells != 0; cells &= cells - 1)
             bits.push_back(std::countr_zero(cells));
-        const auto carveOne = [&](std::size_t i) {
+        const int below = level + 1;
+        const auto carveOne = [&](std::size_t i) -> std::int64_t {
             const int bit = bits[i];
-            carve(node.children[childRank(node.divided, bit)],
-                  centreOf(centre, cell, bit % 4, bit / 4 % 4, bit / 16, 1), cell, level + 1);
+            const std::uint64_t pathTo = path << 6 | static_cast<std::uint64_t>(bit);
+            if (!isCarved(below, pathTo)) return 0;
+            const std::int64_t grown =
+                carve(node.children[childRank(node.divided, bit)],
+                      centreOf(centre, cell, bit % 4, bit / 4 % 4, bit / 16, 1), cell, below, pathTo);
+            return below == kSampledLevel ? c_.shareOf * grown : grown;
         };
-        if (level < kParallelLevels)
-            tbb::parallel_for(std::size_t{0}, bits.size(), carveOne);
-        else
-            for (std::size_t i = 0; i < bits.size(); ++i)
-                carveOne(i);
+        if (level < kParallelLevels) {
+            std::atomic<std::int64_t> grown = 0;
+            tbb::parallel_for(std::size_t{0}, bits.size(), [&](std::size_t i) { grown += carveOne(i); });
+            return grown;
+        }
+        std::int64_t grown = 0;
+        for (std::size_t i = 0; i < bits.size(); ++i)
+            grown += carveOne(i);
+        return grown;
     }
 
-    static void collapse(Growing& node) {
+    /// How many nodes are gone.
+    static std::int64_t collapse(Growing& node) {
         std::uint64_t gone = 0;
+        std::int64_t count = 0;
         for (std::uint64_t left = node.divided; left != 0; left &= left - 1) {
             const int bit = std::countr_zero(left);
             const std::uint64_t mask = coverageMask(bit);
@@ -162,8 +193,9 @@ class Carving {
             if (child.surface == kAllCells && (node.empty & mask) == 0) node.surface |= mask;
             if (child.empty == kAllCells) node.empty |= mask;
             gone |= mask;
+            count += countNodes(child);
         }
-        if (gone == 0) return;
+        if (gone == 0) return 0;
         std::vector<Growing> kept;
         const std::uint64_t stay = node.divided & ~gone;
         kept.reserve(static_cast<std::size_t>(std::popcount(stay)));
@@ -171,6 +203,7 @@ class Carving {
             kept.push_back(std::move(node.children[childRank(node.divided, std::countr_zero(left))]));
         node.divided = stay;
         node.children = std::move(kept);
+        return count;
     }
 
     const Carver& c_;
@@ -227,13 +260,6 @@ std::vector<CoverageNode> flatten(const Growing& root) {
     return nodes;
 }
 
-std::size_t countNodes(const Growing& node) {
-    std::size_t count = 1;
-    for (const Growing& child : node.children)
-        count += countNodes(child);
-    return count;
-}
-
 /// A fixed order in which neighbours in the capture, which see the same, come far apart.
 std::vector<std::size_t> spreadOrder(std::size_t count) {
     std::vector<std::size_t> order;
@@ -260,34 +286,99 @@ struct Region {
     double edge = 1;
 };
 
-Growing grow(ImageStore& images, const Region& region, const CoverOptions& options, double cellsPerSample,
-             const std::function<void()>& advance) {
-    const std::vector<std::vector<std::size_t>> companions = findCompanions(images);
+/// One time through all images.
+struct Pass {
+    bool isCoarse = false;
+    double cellsPerSample = 1;
+    int shareOf = 1; ///< as in Carver
+};
+
+/// The tree while it grows, and how many nodes it has.
+struct Grown {
     Growing root;
-    for (const bool isCoarse : {true, false})
-        for (const std::size_t i : spreadOrder(images.size())) {
-            const ImageStore::Lease image = images.borrow(i);
-            std::vector<ImageStore::Lease> leases;
-            std::vector<const DepthImage*> others;
-            for (const std::size_t other : companions[i]) {
-                leases.push_back(images.borrow(other));
-                others.push_back(&*leases.back());
-            }
-            const OpenSpace space(*image, others, options.tolerance);
-            Carver carver{space, glm::transpose(image->worldFromCamera.rotation)};
-            for (int row = 0; row < 3; ++row)
-                carver.halfOfUnit[row] =
-                    0.5 * (std::abs(carver.cameraFromWorld[0][row]) + std::abs(carver.cameraFromWorld[1][row]) +
-                           std::abs(carver.cameraFromWorld[2][row]));
-            carver.isCoarse = isCoarse;
-            carver.nearestMetres = options.nearestMetres;
-            carver.smallest = 1 / cellsPerSample;
-            carver.atSurface = std::max(options.surfaceSamples, carver.smallest);
-            Carving(carver).carve(root, carver.cameraFromWorld * (region.centre - image->worldFromCamera.translation),
-                                  region.edge, 0);
-            if (advance) advance();
+    std::int64_t nodes = 1;
+};
+
+class Growth {
+  public:
+    Growth(ImageStore& images, const Region& region, const CoverOptions& options)
+        : images_(images), companions_(findCompanions(images)), order_(spreadOrder(images.size())), region_(region),
+          options_(options) {}
+
+    /// All images carve, until there are more nodes than most; whether all did. afterImage is told how many did.
+    template <class AfterImage>
+    bool carve(const Pass& pass, std::int64_t most, Grown& grown, const AfterImage& afterImage) {
+        for (std::size_t i = 0; i < order_.size(); ++i) {
+            carveBy(order_[i], pass, grown);
+            if (grown.nodes > most) return false;
+            afterImage(i + 1);
         }
-    return root;
+        return true;
+    }
+
+  private:
+    void carveBy(std::size_t number, const Pass& pass, Grown& grown) {
+        const ImageStore::Lease image = images_.borrow(number);
+        std::vector<ImageStore::Lease> leases;
+        std::vector<const DepthImage*> others;
+        for (const std::size_t other : companions_[number]) {
+            leases.push_back(images_.borrow(other));
+            others.push_back(&*leases.back());
+        }
+        const OpenSpace space(*image, others, options_.tolerance);
+        Carver carver{space, glm::transpose(image->worldFromCamera.rotation)};
+        for (int row = 0; row < 3; ++row)
+            carver.halfOfUnit[row] =
+                0.5 * (std::abs(carver.cameraFromWorld[0][row]) + std::abs(carver.cameraFromWorld[1][row]) +
+                       std::abs(carver.cameraFromWorld[2][row]));
+        carver.isCoarse = pass.isCoarse;
+        carver.nearestMetres = options_.nearestMetres;
+        carver.smallest = 1 / pass.cellsPerSample;
+        carver.atSurface = std::max(options_.surfaceSamples, carver.smallest);
+        carver.shareOf = pass.shareOf;
+        grown.nodes += Carving(carver).carve(
+            grown.root, carver.cameraFromWorld * (region_.centre - image->worldFromCamera.translation), region_.edge, 0,
+            0);
+    }
+
+    ImageStore& images_;
+    std::vector<std::vector<std::size_t>> companions_;
+    std::vector<std::size_t> order_;
+    Region region_;
+    const CoverOptions& options_;
+};
+
+/// The finest tree of no more nodes than may be; cellsPerSample is that of it.
+Growing grow(ImageStore& images, const Region& region, const CoverOptions& options, double& cellsPerSample,
+             const std::function<void()>& advance) {
+    constexpr double kCoarsest = 1e-3; ///< cells per sample: that is taken however large it is
+    const auto most = static_cast<std::int64_t>(options.maxNodes);
+    const auto times = [&](double factor) { return static_cast<std::int64_t>(factor * static_cast<double>(most)); };
+    Growth growth(images, region, options);
+    Grown coarse;
+    growth.carve({.isCoarse = true}, std::numeric_limits<std::int64_t>::max(), coarse, [&](std::size_t) {
+        if (advance) advance();
+    });
+    const auto isLikelyTooLarge = [&] {
+        Grown some = coarse;
+        const Pass pass{.cellsPerSample = cellsPerSample, .shareOf = kEstimateShare};
+        return !growth.carve(pass, times(kUnsure * kMayShrink), some, [](std::size_t) {}) ||
+               some.nodes > times(kUnsure);
+    };
+    std::size_t advanced = 0; // a tree that was given up may have come further
+    const auto afterImage = [&](std::size_t count) {
+        if (count > advanced && advance) advance();
+        advanced = std::max(advanced, count);
+    };
+    for (; cellsPerSample > kCoarsest; cellsPerSample /= 2) {
+        if (isLikelyTooLarge()) continue;
+        Grown grown = coarse;
+        if (growth.carve({.cellsPerSample = cellsPerSample}, times(kMayShrink), grown, afterImage) &&
+            grown.nodes <= most)
+            return std::move(grown.root);
+    }
+    growth.carve({.cellsPerSample = cellsPerSample}, std::numeric_limits<std::int64_t>::max(), coarse, afterImage);
+    return std::move(coarse.root);
 }
 
 } // namespace
@@ -306,11 +397,7 @@ Coverage cover(ImageStore& images, const CoverOptions& options, CoverFigures& fi
         region.edge = std::max(1.1 * std::max({size.x, size.y, size.z}), 1e-3);
     }
     figures.cellsPerSample = options.cellsPerSample;
-    Growing root = grow(images, region, options, figures.cellsPerSample, advance);
-    while (countNodes(root) > options.maxNodes && figures.cellsPerSample > 1e-3) {
-        figures.cellsPerSample /= 2;
-        root = grow(images, region, options, figures.cellsPerSample, {});
-    }
+    const Growing root = grow(images, region, options, figures.cellsPerSample, advance);
     Coverage coverage{region.centre - glm::dvec3(region.edge / 2), region.edge, flatten(root)};
     figures.nodes = coverage.nodes.size();
     figures.finestMetres = finestCellOf(coverage);

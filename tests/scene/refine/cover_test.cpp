@@ -189,6 +189,37 @@ TEST(Cover, WhatWouldTakeTooMuchIsKeptCoarser) {
     EXPECT_NEAR(coarse.unseenCubicMetres, fine.unseenCubicMetres, 0.1 * fine.unseenCubicMetres);
 }
 
+TEST(Cover, IsTheFinestThatMayBeAndAsIfNoFinerOneHadBeenTried) {
+    ImageStore store(markedImages(3));
+    // From what fits, over what an estimate alone cannot tell, to what is given up several times.
+    for (const double share : {2.0, 1.0, 0.98, 0.85, 0.5, 0.2, 0.03}) {
+        CoverFigures all, kept, asked;
+        cover(store, {}, all);
+        CoverOptions options;
+        options.maxNodes = static_cast<std::size_t>(share * static_cast<double>(all.nodes));
+        std::size_t advanced = 0;
+        const Coverage coverage = cover(store, options, kept, [&] { ++advanced; });
+        EXPECT_EQ(advanced, 2 * store.size()) << share;
+        EXPECT_LE(kept.nodes, options.maxNodes) << share;
+        EXPECT_EQ(kept.cellsPerSample == 1, share >= 1) << share;
+        EXPECT_EQ(cover(store, {.cellsPerSample = kept.cellsPerSample}, asked), coverage) << share;
+        if (kept.cellsPerSample == 1) continue;
+        CoverFigures finer;
+        cover(store, {.cellsPerSample = 2 * kept.cellsPerSample}, finer);
+        EXPECT_GT(finer.nodes, options.maxNodes) << share;
+    }
+}
+
+TEST(Cover, ThereIsATreeHoweverFewNodesItMayHave) {
+    ImageStore store(markedImages(2));
+    CoverFigures figures;
+    std::size_t advanced = 0;
+    cover(store, {.maxNodes = 1}, figures, [&] { ++advanced; });
+    EXPECT_GT(figures.emptyCubicMetres, 0);
+    EXPECT_LT(figures.cellsPerSample, 1e-3);
+    EXPECT_EQ(advanced, 2 * store.size());
+}
+
 TEST(Cover, NothingAtAllIsUnseen) {
     EXPECT_EQ(observedAt(coverOf({}), {0, 0, 0}), Observed::unseen);
     DepthImage blind = stepImage();
