@@ -100,12 +100,13 @@ KeepStage keepBest(const ImportedImages& imported, const Overlaps& overlaps, con
     stage.key = keyOf({kRefineVersion, skins.key, options.cull, o.preference, o.baselineShare, o.minPatchShare,
                        o.tileSize, describe(o.comparison)});
     Progress progress("redundancy", imported.images.size());
+    std::size_t told = 0;
     const std::filesystem::path folder = store.find("kept", stage.key, [&](const std::filesystem::path& part) {
         scene::ImageStore images = openImages(skins.images, options);
         scene::RedundancyFigures figures;
         std::vector<scene::Image<scene::Keep>> kept;
         if (options.cull) {
-            kept = scene::findKept(images, overlaps.partners, o, figures);
+            kept = scene::findKept(images, overlaps.partners, o, figures, [&] { progress.advance(), ++told; });
         } else {
             for (const scene::StoredImage& image : skins.images)
                 kept.emplace_back(image.camera.width, image.camera.height, scene::Keep::base);
@@ -122,7 +123,7 @@ KeepStage keepBest(const ImportedImages& imported, const Overlaps& overlaps, con
         writeWhole(part / "figures.json",
                    json{figures.samples, figures.base, figures.directional, figures.guesses}.dump());
     });
-    progress.advance(imported.images.size());
+    if (told < imported.images.size()) progress.advance(imported.images.size() - told);
     const json figures = readJson(folder / "figures.json");
     stage.figures = {figures.at(0), figures.at(1), figures.at(2), figures.at(3)};
     for (const scene::StoredImage& image : imported.images)

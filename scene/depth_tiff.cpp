@@ -117,9 +117,11 @@ void checkPage(TIFF* tiff, int width, int height, int bits, int channels, const 
 }
 
 template <class T>
-Image<T> readPage(TIFF* tiff, int width, int height, int bits, int channels, const std::filesystem::path& path) {
+Image<T> readPage(TIFF* tiff, int width, int height, int bits, int channels, const std::filesystem::path& path,
+                  Image<T> spare = {}) {
     checkPage(tiff, width, height, bits, channels, path);
-    Image<T> image(width, height);
+    const bool isOfUse = spare.width() == width && spare.height() == height;
+    Image<T> image = isOfUse ? std::move(spare) : Image<T>(width, height);
     forStrips(height, [&](std::uint32_t strip, int first, int rows) {
         const auto pixels = image.pixels().subspan(placeOf(image, first), placeOf(image, rows));
         const auto bytes = static_cast<tmsize_t>(pixels.size_bytes());
@@ -262,18 +264,18 @@ void writeDepthTiff(const DepthImage& image, const std::filesystem::path& path) 
     });
 }
 
-DepthImage readDepthTiff(const std::filesystem::path& path) {
+DepthImage readDepthTiff(const std::filesystem::path& path, DepthImage spare) {
     const Tiff tiff = openTiff(path, "rm");
     if (!tiff) throw Failure("cannot be opened as TIFF", path, kReadRemedy);
     DepthImage image;
     const std::string checksum = readDescription(tiff.get(), image, path);
     checkSize(image.camera, path);
     const int width = image.camera.width, height = image.camera.height;
-    image.colour = readPage<Rgb8>(tiff.get(), width, height, 8, 3, path);
+    image.colour = readPage<Rgb8>(tiff.get(), width, height, 8, 3, path, std::move(spare.colour));
     nextPage(tiff.get(), path);
-    image.disparity = readPage<float>(tiff.get(), width, height, 32, 1, path);
+    image.disparity = readPage<float>(tiff.get(), width, height, 32, 1, path, std::move(spare.disparity));
     nextPage(tiff.get(), path);
-    image.flags = readPage<std::uint8_t>(tiff.get(), width, height, 8, 1, path);
+    image.flags = readPage<std::uint8_t>(tiff.get(), width, height, 8, 1, path, std::move(spare.flags));
     if (checksumOf(image) != checksum)
         throw Failure("has changed since it was written: its checksum differs", path, kReadRemedy);
     for (const float disparity : image.disparity.pixels())

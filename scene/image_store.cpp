@@ -34,13 +34,13 @@ ImageStore::Lease ImageStore::borrow(std::size_t index) {
     if (entry.state == State::absent) {
         entry.state = State::loading;
         const std::size_t bytes = bytesOf(entry.stored.camera);
-        evictFor(bytes);
+        DepthImage spare = evictFor(entry.stored.camera);
         residentBytes_ += bytes;
         peakBytes_ = std::max(peakBytes_, residentBytes_);
         lock.unlock();
         // Others may borrow and give back meanwhile; who wants this image waits for it.
         try {
-            DepthImage image = readDepthTiff(entry.stored.file);
+            DepthImage image = readDepthTiff(entry.stored.file, std::move(spare));
             if (image.camera.width != entry.stored.camera.width || image.camera.height != entry.stored.camera.height)
                 throw Failure("is not the image that the scene lists: its size differs", entry.stored.file,
                               "remove it and build the scene again");
@@ -61,6 +61,11 @@ ImageStore::Lease ImageStore::borrow(std::size_t index) {
     return {this, index, &entry.image};
 }
 
+bool ImageStore::isResident(std::size_t index) const {
+    const std::lock_guard lock(mutex_);
+    return entries_[index].state == State::resident;
+}
+
 std::size_t ImageStore::residentBytes() const {
     const std::lock_guard lock(mutex_);
     return residentBytes_;
@@ -76,17 +81,22 @@ void ImageStore::giveBack(std::size_t index) {
     --entries_[index].borrowers;
 }
 
-void ImageStore::evictFor(std::size_t bytes) {
+DepthImage ImageStore::evictFor(const Camera& camera) {
+    const std::size_t bytes = bytesOf(camera);
+    DepthImage spare;
     while (residentBytes_ + bytes > budgetBytes_) {
         Entry* oldest = nullptr;
         for (Entry& entry : entries_)
             if (entry.state == State::resident && entry.borrowers == 0 && (!oldest || entry.lastUse < oldest->lastUse))
                 oldest = &entry;
-        if (!oldest) return;
-        residentBytes_ -= bytesOf(oldest->stored.camera);
+        if (!oldest) break;
+        const Camera& old = oldest->stored.camera;
+        residentBytes_ -= bytesOf(old);
+        if (old.width == camera.width && old.height == camera.height) spare = std::move(oldest->image);
         oldest->image = {};
         oldest->state = State::absent;
     }
+    return spare;
 }
 
 } // namespace scene

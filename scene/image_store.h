@@ -32,6 +32,9 @@ class ImageStore {
     std::size_t size() const { return entries_.size(); }
     const StoredImage& at(std::size_t index) const { return entries_[index].stored; }
     Lease borrow(std::size_t index);
+    /// At the moment: asking for such an image first saves reading another.
+    bool isResident(std::size_t index) const;
+    std::size_t budgetBytes() const { return budgetBytes_; }
     /// Bytes of pixels held at the moment, and the most there ever were.
     std::size_t residentBytes() const;
     std::size_t peakBytes() const;
@@ -46,7 +49,7 @@ class ImageStore {
         std::uint64_t lastUse = 0;
     };
     void giveBack(std::size_t index);
-    void evictFor(std::size_t bytes);
+    DepthImage evictFor(const Camera& camera); ///< one of those that went, if it is as large
 
     std::vector<Entry> entries_;
     std::size_t budgetBytes_, residentBytes_ = 0, peakBytes_ = 0;

@@ -3,9 +3,11 @@
 #include "scene/refine/open_space.h"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cmath>
 #include <limits>
+#include <span>
 
 #include <tbb/parallel_for.h>
 
@@ -299,25 +301,32 @@ struct Grown {
     std::int64_t nodes = 1;
 };
 
+/// A tree that grows with others, of another fineness, while the same images are at hand.
+struct Sapling {
+    Pass pass;
+    std::int64_t most; ///< nodes: with more it is given up
+    Grown grown;
+    bool isGivenUp() const { return grown.nodes > most; }
+};
+
 class Growth {
   public:
     Growth(ImageStore& images, const Region& region, const CoverOptions& options)
         : images_(images), companions_(findCompanions(images)), order_(spreadOrder(images.size())), region_(region),
           options_(options) {}
 
-    /// All images carve, until there are more nodes than most; whether all did. afterImage is told how many did.
+    /// All images carve all trees, until none is left that is not given up. afterImage is told how many images did.
     template <class AfterImage>
-    bool carve(const Pass& pass, std::int64_t most, Grown& grown, const AfterImage& afterImage) {
+    void carve(std::span<Sapling> trees, const AfterImage& afterImage) {
         for (std::size_t i = 0; i < order_.size(); ++i) {
-            carveBy(order_[i], pass, grown);
-            if (grown.nodes > most) return false;
+            carveBy(order_[i], trees);
+            if (std::ranges::all_of(trees, &Sapling::isGivenUp)) return;
             afterImage(i + 1);
         }
-        return true;
     }
 
   private:
-    void carveBy(std::size_t number, const Pass& pass, Grown& grown) {
+    void carveBy(std::size_t number, std::span<Sapling> trees) {
         const ImageStore::Lease image = images_.borrow(number);
         std::vector<ImageStore::Lease> leases;
         std::vector<const DepthImage*> others;
@@ -331,14 +340,16 @@ class Growth {
             carver.halfOfUnit[row] =
                 0.5 * (std::abs(carver.cameraFromWorld[0][row]) + std::abs(carver.cameraFromWorld[1][row]) +
                        std::abs(carver.cameraFromWorld[2][row]));
-        carver.isCoarse = pass.isCoarse;
         carver.nearestMetres = options_.nearestMetres;
-        carver.smallest = 1 / pass.cellsPerSample;
-        carver.atSurface = std::max(options_.surfaceSamples, carver.smallest);
-        carver.shareOf = pass.shareOf;
-        grown.nodes += Carving(carver).carve(
-            grown.root, carver.cameraFromWorld * (region_.centre - image->worldFromCamera.translation), region_.edge, 0,
-            0);
+        const glm::dvec3 centre = carver.cameraFromWorld * (region_.centre - image->worldFromCamera.translation);
+        for (Sapling& tree : trees) {
+            if (tree.isGivenUp()) continue;
+            carver.isCoarse = tree.pass.isCoarse;
+            carver.smallest = 1 / tree.pass.cellsPerSample;
+            carver.atSurface = std::max(options_.surfaceSamples, carver.smallest);
+            carver.shareOf = tree.pass.shareOf;
+            tree.grown.nodes += Carving(carver).carve(tree.grown.root, centre, region_.edge, 0, 0);
+        }
     }
 
     ImageStore& images_;
@@ -348,38 +359,63 @@ class Growth {
     const CoverOptions& options_;
 };
 
-/// The finest tree of no more nodes than may be; cellsPerSample is that of it.
-Growing grow(ImageStore& images, const Region& region, const CoverOptions& options, double& cellsPerSample,
-             const std::function<void()>& advance) {
-    constexpr double kCoarsest = 1e-3; ///< cells per sample: that is taken however large it is
-    const auto most = static_cast<std::int64_t>(options.maxNodes);
-    const auto times = [&](double factor) { return static_cast<std::int64_t>(factor * static_cast<double>(most)); };
-    Growth growth(images, region, options);
-    Grown coarse;
-    growth.carve({.isCoarse = true}, std::numeric_limits<std::int64_t>::max(), coarse, [&](std::size_t) {
-        if (advance) advance();
-    });
-    const auto isLikelyTooLarge = [&] {
-        Grown some = coarse;
-        const Pass pass{.cellsPerSample = cellsPerSample, .shareOf = kEstimateShare};
-        return !growth.carve(pass, times(kUnsure * kMayShrink), some, [](std::size_t) {}) ||
-               some.nodes > times(kUnsure);
-    };
-    std::size_t advanced = 0; // a tree that was given up may have come further
-    const auto afterImage = [&](std::size_t count) {
-        if (count > advanced && advance) advance();
-        advanced = std::max(advanced, count);
-    };
-    for (; cellsPerSample > kCoarsest; cellsPerSample /= 2) {
-        if (isLikelyTooLarge()) continue;
-        Grown grown = coarse;
-        if (growth.carve({.cellsPerSample = cellsPerSample}, times(kMayShrink), grown, afterImage) &&
-            grown.nodes <= most)
-            return std::move(grown.root);
+/// Grows the finest tree of no more nodes than may be; cellsPerSample is that of it.
+class FinestThatFits {
+  public:
+    FinestThatFits(Growth growth, const CoverOptions& options, const std::function<void()>& advance)
+        : growth_(std::move(growth)), most_(static_cast<std::int64_t>(options.maxNodes)), advance_(advance) {
+        std::array coarse{Sapling{{.isCoarse = true}, kNoLimit, {}}};
+        growth_.carve(coarse, [&](std::size_t) {
+            if (advance_) advance_();
+        });
+        coarse_ = std::move(coarse[0].grown);
     }
-    growth.carve({.cellsPerSample = cellsPerSample}, std::numeric_limits<std::int64_t>::max(), coarse, afterImage);
-    return std::move(coarse.root);
-}
+
+    Growing grow(double& cellsPerSample) {
+        for (std::size_t i = 0; cellsPerSample > kCoarsest; cellsPerSample /= 2, ++i) {
+            if (i % kEstimatedTogether == 0) estimateFrom(cellsPerSample);
+            if (isLikelyTooLarge_[i % kEstimatedTogether]) continue;
+            Sapling tree = whole(cellsPerSample, times(kMayShrink));
+            if (tree.grown.nodes <= most_) return std::move(tree.grown.root);
+        }
+        return std::move(whole(cellsPerSample, kNoLimit).grown.root);
+    }
+
+  private:
+    static constexpr double kCoarsest = 1e-3; ///< cells per sample: that is taken however large it is
+    static constexpr std::size_t kEstimatedTogether = 4;
+    static constexpr std::int64_t kNoLimit = std::numeric_limits<std::int64_t>::max();
+
+    std::int64_t times(double factor) const { return static_cast<std::int64_t>(factor * static_cast<double>(most_)); }
+
+    /// Of this fineness, of half of it, and so on.
+    void estimateFrom(double cellsPerSample) {
+        std::vector<Sapling> trees;
+        for (std::size_t i = 0; i < kEstimatedTogether; ++i, cellsPerSample /= 2)
+            trees.push_back(
+                {{.cellsPerSample = cellsPerSample, .shareOf = kEstimateShare}, times(kUnsure * kMayShrink), coarse_});
+        growth_.carve(trees, [](std::size_t) {});
+        for (std::size_t i = 0; i < kEstimatedTogether; ++i)
+            isLikelyTooLarge_[i] = trees[i].grown.nodes > times(kUnsure);
+    }
+
+    Sapling whole(double cellsPerSample, std::int64_t most) {
+        std::array tree{Sapling{{.cellsPerSample = cellsPerSample}, most, coarse_}};
+        growth_.carve(tree, [&](std::size_t count) {
+            // One that was given up may have come further.
+            if (count > advanced_ && advance_) advance_();
+            advanced_ = std::max(advanced_, count);
+        });
+        return std::move(tree[0]);
+    }
+
+    Growth growth_;
+    std::int64_t most_;
+    const std::function<void()>& advance_;
+    Grown coarse_;
+    std::array<bool, kEstimatedTogether> isLikelyTooLarge_{};
+    std::size_t advanced_ = 0;
+};
 
 } // namespace
 
@@ -397,7 +433,7 @@ Coverage cover(ImageStore& images, const CoverOptions& options, CoverFigures& fi
         region.edge = std::max(1.1 * std::max({size.x, size.y, size.z}), 1e-3);
     }
     figures.cellsPerSample = options.cellsPerSample;
-    const Growing root = grow(images, region, options, figures.cellsPerSample, advance);
+    const Growing root = FinestThatFits(Growth(images, region, options), options, advance).grow(figures.cellsPerSample);
     Coverage coverage{region.centre - glm::dvec3(region.edge / 2), region.edge, flatten(root)};
     figures.nodes = coverage.nodes.size();
     figures.finestMetres = finestCellOf(coverage);

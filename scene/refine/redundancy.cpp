@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <optional>
 #include <span>
 
 #include <glm/geometric.hpp>
@@ -101,10 +102,19 @@ class KeptSamples {
 
 /// Samples of a partner that are kept already, and the way there.
 struct KeptPartner {
+    std::uint32_t number; ///< in the store
     const KeptSamples* kept;
-    const DepthImage* image;
+    const Camera* camera;
+    const DepthImage* image; ///< null while it is not borrowed
     Reprojection into;
     float baseline; ///< metres between the two cameras
+};
+
+/// A tile that is being examined: which of the partners may cover samples of it, and which samples are covered.
+struct Examined {
+    PixelBox pixels;
+    std::vector<std::uint32_t> partners;
+    std::vector<std::uint8_t> isCovered; ///< row by row
 };
 
 constexpr float kAnywhere = std::numeric_limits<float>::max();
@@ -120,7 +130,7 @@ struct RivalSample {
 bool isCovered(const KeptPartner& partner, const RivalSample& sample, const ComparisonOptions& options) {
     if (partner.baseline > sample.farthest) return false;
     const Sighting at = sightingOf(partner.into, sample.x, sample.y, sample.disparity);
-    if (!isSeenIn(partner.image->camera, at)) return false;
+    if (!isSeenIn(*partner.camera, at)) return false;
     const int x = static_cast<int>(at.u), y = static_cast<int>(at.v);
     if (!partner.kept->has(x, y)) return false;
     // A guess covers a guess; it never takes the place of what was measured.
@@ -143,21 +153,30 @@ class Keeper {
     std::int64_t keep(std::span<const RankedTile> tiles, Keep tier, float baselineShare) {
         const std::uint32_t self = tiles.front().image;
         const ImageStore::Lease image = images_.borrow(self);
-        std::vector<ImageStore::Lease> leases;
-        std::vector<KeptPartner> before;
-        for (const Partner& partner : partners_[self]) {
-            if (!hasKept_[partner.image]) continue;
-            leases.push_back(images_.borrow(partner.image));
-            const DepthImage& other = *leases.back();
-            before.push_back({&kept_[partner.image], &other, reprojectionInto(other, *image),
-                              static_cast<float>(glm::distance(image->worldFromCamera.translation,
-                                                               other.worldFromCamera.translation))});
-        }
+        std::vector<KeptPartner> before = keptBefore(self);
+        std::vector<Examined> examined(tiles.size());
+        std::vector<std::atomic<bool>> isAsked(before.size());
+        tbb::parallel_for(std::size_t{0}, tiles.size(), [&](std::size_t t) {
+            examined[t] = examine(tiles[t], *image, before, baselineShare);
+            for (const std::uint32_t p : examined[t].partners)
+                isAsked[p] = true;
+        });
+        std::vector<std::uint32_t> asked;
+        for (std::uint32_t p = 0; p < before.size(); ++p)
+            if (isAsked[p]) asked.push_back(p);
+        // What is here may be gone when others have been read.
+        std::stable_partition(asked.begin(), asked.end(),
+                              [&](std::uint32_t p) { return images_.isResident(before[p].number); });
+        forGroups(asked, before, bytesOf(image->camera), [&] {
+            tbb::parallel_for(std::size_t{0}, tiles.size(), [&](std::size_t t) {
+                cover(examined[t], *image, kept_[self].samples, before, tier, baselineShare);
+            });
+        });
         std::atomic<std::int64_t> count = 0;
         tbb::parallel_for(std::size_t{0}, tiles.size(),
-                          [&](std::size_t t) { count += keepTile(tiles[t], *image, before, tier, baselineShare); });
-        for (const RankedTile& tile : tiles)
-            kept_[self].noteChanges(pixelsOf(tile, *image));
+                          [&](std::size_t t) { count += keepTile(examined[t], *image, kept_[self].samples, tier); });
+        for (const Examined& tile : examined)
+            kept_[self].noteChanges(tile.pixels);
         hasKept_[self] = 1;
         return count;
     }
@@ -191,54 +210,113 @@ class Keeper {
         return baselineShare * (glm::length(ray) / image.disparity(x, y));
     }
 
-    /// Those of the partners that can cover a sample among these pixels at all.
-    static std::vector<KeptPartner> partnersAbout(const PixelBox& pixels, const DepthImage& image,
-                                                  const std::vector<KeptPartner>& before, float baselineShare) {
+    /// The image's partners that keep anything; not borrowed.
+    std::vector<KeptPartner> keptBefore(std::uint32_t self) const {
+        const StoredImage& image = images_.at(self);
+        std::vector<KeptPartner> before;
+        for (const Partner& partner : partners_[self]) {
+            if (!hasKept_[partner.image]) continue;
+            const StoredImage& other = images_.at(partner.image);
+            before.push_back(
+                {partner.image, &kept_[partner.image], &other.camera, nullptr,
+                 reprojectionInto(other.camera, other.worldFromCamera, image.camera, image.worldFromCamera),
+                 static_cast<float>(
+                     glm::distance(image.worldFromCamera.translation, other.worldFromCamera.translation))});
+        }
+        return before;
+    }
+
+    /// Borrows as many of those that are asked as memory allows beside the image itself, one at least, and calls visit;
+    /// until all have been there.
+    template <class Visit>
+    void forGroups(std::span<const std::uint32_t> asked, std::vector<KeptPartner>& before, std::size_t ownBytes,
+                   const Visit& visit) {
+        while (!asked.empty()) {
+            std::size_t count = 0;
+            for (std::size_t bytes = ownBytes; count < asked.size(); ++count) {
+                bytes += bytesOf(*before[asked[count]].camera);
+                if (count > 0 && bytes > images_.budgetBytes()) break;
+            }
+            const std::span<const std::uint32_t> group = asked.first(count);
+            std::vector<std::optional<ImageStore::Lease>> leases(count);
+            tbb::parallel_for(std::size_t{0}, count,
+                              [&](std::size_t i) { leases[i].emplace(images_.borrow(before[group[i]].number)); });
+            for (std::size_t i = 0; i < count; ++i)
+                before[group[i]].image = &**leases[i];
+            visit();
+            for (const std::uint32_t p : group)
+                before[p].image = nullptr;
+            asked = asked.subspan(count);
+        }
+    }
+
+    /// Which partners can cover a sample of the tile at all.
+    Examined examine(const RankedTile& tile, const DepthImage& image, const std::vector<KeptPartner>& before,
+                     float baselineShare) const {
+        Examined examined{pixelsOf(tile, image), {}, {}};
         float lowest = std::numeric_limits<float>::max(), highest = 0, farthest = 0;
-        forSamples(pixels, [&](int x, int y) {
+        forSamples(examined.pixels, [&](int x, int y) {
             if (!isDrawable(image.flags(x, y))) return;
             lowest = std::min(lowest, image.disparity(x, y));
             highest = std::max(highest, image.disparity(x, y));
             farthest = std::max(farthest, farthestCoverOf(image, x, y, baselineShare));
         });
-        std::vector<KeptPartner> about;
-        for (const KeptPartner& partner : before)
-            if (partner.baseline <= farthest && partner.kept->mayHaveAnyIn(boundsOfSightings(
-                                                    partner.into, pixels, lowest, highest, partner.image->camera)))
-                about.push_back(partner);
-        return about;
+        for (std::uint32_t p = 0; p < before.size(); ++p)
+            if (before[p].baseline <= farthest &&
+                before[p].kept->mayHaveAnyIn(
+                    boundsOfSightings(before[p].into, examined.pixels, lowest, highest, *before[p].camera)))
+                examined.partners.push_back(p);
+        const PixelBox& pixels = examined.pixels;
+        examined.isCovered.assign(
+            static_cast<std::size_t>(pixels.x1 - pixels.x0) * static_cast<std::size_t>(pixels.y1 - pixels.y0), 0);
+        return examined;
     }
 
-    std::int64_t keepTile(const RankedTile& tile, const DepthImage& image, const std::vector<KeptPartner>& all,
-                          Keep tier, float baselineShare) {
-        const PixelBox pixels = pixelsOf(tile, image);
-        const std::vector<KeptPartner> before = partnersAbout(pixels, image, all, baselineShare);
-        std::int64_t count = 0, wanted = 0, there = 0;
-        std::size_t likely = 0; // the partner that covered the last sample most likely covers the next
-        forSamples(pixels, [&](int x, int y) {
-            Keep& mine = kept_[tile.image].samples(x, y);
-            const bool guess = isGuess(image.flags(x, y));
-            if (guess ? tier == Keep::base : !isSurface(image.flags(x, y))) return;
-            ++there;
-            if (mine != Keep::no) return;
+    static bool isExamined(std::uint8_t flags, Keep tier) {
+        return isGuess(flags) ? tier != Keep::base : isSurface(flags);
+    }
+
+    /// Notes which samples those of the partners that are borrowed cover.
+    void cover(Examined& tile, const DepthImage& image, const Image<Keep>& mine, const std::vector<KeptPartner>& before,
+               Keep tier, float baselineShare) const {
+        std::vector<const KeptPartner*> here;
+        for (const std::uint32_t p : tile.partners)
+            if (before[p].image) here.push_back(&before[p]);
+        if (here.empty()) return;
+        std::size_t at = 0, likely = 0; // the partner that covered the last sample most likely covers the next
+        forSamples(tile.pixels, [&](int x, int y) {
+            std::uint8_t& isCoveredHere = tile.isCovered[at++];
+            if (isCoveredHere != 0 || !isExamined(image.flags(x, y), tier) || mine(x, y) != Keep::no) return;
             const RivalSample sample{static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f, image.disparity(x, y),
-                                     farthestCoverOf(image, x, y, baselineShare), guess};
-            const auto covers = [&](std::size_t p) { return isCovered(before[p], sample, options_.comparison); };
-            bool covered = likely < before.size() && covers(likely);
-            for (std::size_t p = 0; p < before.size() && !covered; ++p)
+                                     farthestCoverOf(image, x, y, baselineShare), isGuess(image.flags(x, y))};
+            const auto covers = [&](std::size_t p) { return isCovered(*here[p], sample, options_.comparison); };
+            bool covered = covers(likely);
+            for (std::size_t p = 0; p < here.size() && !covered; ++p)
                 if (covers(p)) covered = true, likely = p;
-            if (covered) return;
+            if (covered) isCoveredHere = 1;
+        });
+    }
+
+    std::int64_t keepTile(const Examined& tile, const DepthImage& image, Image<Keep>& kept, Keep tier) const {
+        std::int64_t count = 0, wanted = 0, there = 0;
+        std::size_t at = 0;
+        forSamples(tile.pixels, [&](int x, int y) {
+            const bool covered = tile.isCovered[at++] != 0;
+            if (!isExamined(image.flags(x, y), tier)) return;
+            ++there;
+            Keep& mine = kept(x, y);
+            if (mine != Keep::no || covered) return;
             mine = tier;
             ++wanted;
-            count += !guess;
+            count += !isGuess(image.flags(x, y));
         });
         // The base holds every surface, be the patch ever so small.
         if (tier != Keep::directional) return count;
         const bool isPatch =
             wanted > 0 && static_cast<float>(wanted) >= options_.minPatchShare * static_cast<float>(there);
         count = 0;
-        forSamples(pixels, [&](int x, int y) {
-            Keep& mine = kept_[tile.image].samples(x, y);
+        forSamples(tile.pixels, [&](int x, int y) {
+            Keep& mine = kept(x, y);
             const std::uint8_t flags = image.flags(x, y);
             if (mine == Keep::base || !isDrawable(flags)) return;
             // A guess is no surface: only where nobody measured is it kept.
@@ -269,7 +347,8 @@ void forRuns(const std::vector<RankedTile>& tiles, SameRun sameRun, Visit visit)
 } // namespace
 
 std::vector<Image<Keep>> findKept(ImageStore& images, const std::vector<std::vector<Partner>>& partners,
-                                  const RedundancyOptions& options, RedundancyFigures& figures) {
+                                  const RedundancyOptions& options, RedundancyFigures& figures,
+                                  const std::function<void()>& advance) {
     std::vector<std::vector<RankedTile>> tilesOf(images.size());
     tbb::parallel_for(std::size_t{0}, images.size(), [&](std::size_t i) {
         tilesOf[i] = rateTiles(*images.borrow(i), static_cast<std::uint32_t>(i), options.tileSize);
@@ -290,17 +369,32 @@ std::vector<Image<Keep>> findKept(ImageStore& images, const std::vector<std::vec
 
     figures = {};
     Keeper keeper(images, partners, options);
+    const bool isDirectional = options.baselineShare > 0;
+    std::size_t done = 0, advanced = 0; // tiles, and in how many steps they were told
+    const auto tell = [&](std::size_t tiles) {
+        done += tiles;
+        const std::size_t all = std::max<std::size_t>((isDirectional ? 2 : 1) * ranked.size(), 1);
+        for (; advanced < images.size() * done / all; ++advanced)
+            if (advance) advance();
+    };
     forRuns(
         ranked,
         [&](const RankedTile& a, const RankedTile& b) {
             return a.image == b.image && a.qualityClass == b.qualityClass;
         },
-        [&](std::span<const RankedTile> run) { figures.base += keeper.keep(run, Keep::base, kAnywhere); });
-    if (options.baselineShare > 0) {
+        [&](std::span<const RankedTile> run) {
+            figures.base += keeper.keep(run, Keep::base, kAnywhere);
+            tell(run.size());
+        });
+    if (isDirectional) {
         // In the order of the capture: along a path this spaces the kept images evenly.
-        for (const auto& tiles : tilesOf)
+        for (const auto& tiles : tilesOf) {
             if (!tiles.empty()) figures.directional += keeper.keep(tiles, Keep::directional, options.baselineShare);
+            tell(tiles.size());
+        }
     }
+    for (; advanced < images.size(); ++advanced)
+        if (advance) advance();
     for (std::size_t i = 0; i < images.size(); ++i) {
         const ImageStore::Lease image = images.borrow(i);
         const auto flags = image->flags.pixels();

@@ -10,6 +10,8 @@
 #include "scene/image_store.h"
 #include "scene/overlap.h"
 #include "scene/reprojection.h"
+
+#include <functional>
 #include "scene/tile.h"
 
 namespace scene {
@@ -38,7 +40,10 @@ struct RedundancyFigures {
 enum class Keep : std::uint8_t { no = 0, base = 1, directional = 2 };
 
 /// Which samples of each image are kept. The images' flags must have skins and floating samples marked already.
+/// advance is called once for each image, as time goes by. No more images are held at a time than the store's budget
+/// allows, two at least.
 std::vector<Image<Keep>> findKept(ImageStore& images, const std::vector<std::vector<Partner>>& partners,
-                                  const RedundancyOptions& options, RedundancyFigures& figures);
+                                  const RedundancyOptions& options, RedundancyFigures& figures,
+                                  const std::function<void()>& advance = {});
 
 } // namespace scene

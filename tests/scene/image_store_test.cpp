@@ -55,6 +55,27 @@ TEST_F(StoredImages, StayWithinTheBudgetAndAreDroppedLeastRecentlyUsedFirst) {
     EXPECT_THROW(images.borrow(3), Failure);
 }
 
+TEST_F(StoredImages, AreRightInTheMemoryOfOthersOfTheSameSizeOrNot) {
+    std::vector<StoredImage> stored = store(4);
+    const Camera wide{24, 8, 10, 10, 12, 4}; // as many pixels
+    for (const int i : {1, 3}) {
+        stored[static_cast<std::size_t>(i)].camera = wide;
+        writeDepthTiff(imageNumber(i, wide), stored[static_cast<std::size_t>(i)].file);
+    }
+    ImageStore images(stored, bytesOf(kCamera));
+    for (const std::size_t i : {0, 2, 1, 3, 0, 1, 2, 3, 2, 0}) {
+        EXPECT_FALSE(images.isResident(i));
+        const DepthImage expected = imageNumber(static_cast<int>(i), stored[i].camera);
+        const ImageStore::Lease lease = images.borrow(i);
+        EXPECT_TRUE(images.isResident(i));
+        EXPECT_EQ(lease->name, expected.name);
+        EXPECT_EQ(lease->camera, expected.camera);
+        EXPECT_TRUE(lease->colour == expected.colour && lease->disparity == expected.disparity &&
+                    lease->flags == expected.flags)
+            << i;
+    }
+}
+
 TEST_F(StoredImages, ThatAreHeldAreNeverDropped) {
     ImageStore images(store(4), bytesOf(kCamera));
     const ImageStore::Lease first = images.borrow(0);

@@ -1,6 +1,8 @@
 #include "scene/refine/redundancy.h"
 
+#include "scene/depth_tiff.h"
 #include "tests/scene/known_scenes.h"
+#include "tests/scene/scratch_folder.h"
 
 #include <algorithm>
 #include <limits>
@@ -241,6 +243,40 @@ TEST(Redundancy, GivesTheSameBytesOnOneThreadAndOnTwo) {
         EXPECT_TRUE(two.kept == one.kept) << "run " << run;
         EXPECT_EQ(two.figures.base, one.figures.base);
         EXPECT_EQ(two.figures.directional, one.figures.directional);
+    }
+}
+
+/// A store that reads them from files, of which it holds no more than count at a time.
+ImageStore storeOf(const std::vector<DepthImage>& images, std::size_t count, const ScratchFolder& folder) {
+    std::vector<StoredImage> stored;
+    for (const DepthImage& image : images) {
+        stored.push_back({image.name, image.camera, image.worldFromCamera, folder / (image.name + ".tiff"), {}});
+        writeDepthTiff(image, stored.back().file);
+    }
+    return {stored, count * bytesOf(images.front().camera)};
+}
+
+TEST(Redundancy, IsTheSameWithRoomForTwoImagesAtATime) {
+    std::vector<DepthImage> images = holedImages();
+    for (std::size_t i = 0; i < images.size(); ++i)
+        images[i].name = std::to_string(i);
+    ASSERT_GE(images.size(), 4u);
+    ImageStore all(images);
+    const auto partners = partnersOf(all);
+    RedundancyFigures figures;
+    const auto kept = findKept(all, partners, {}, figures);
+    const ScratchFolder folder;
+    for (const std::size_t room : {2, 3}) {
+        ImageStore few = storeOf(images, room, folder);
+        RedundancyFigures figuresOfFew;
+        std::size_t advanced = 0;
+        // One thread, since each that rates tiles holds an image of its own.
+        const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+        EXPECT_TRUE(findKept(few, partners, {}, figuresOfFew, [&] { ++advanced; }) == kept) << room;
+        EXPECT_EQ(figuresOfFew.base, figures.base);
+        EXPECT_EQ(figuresOfFew.directional, figures.directional);
+        EXPECT_EQ(advanced, images.size());
+        EXPECT_EQ(few.peakBytes(), room * bytesOf(images[0].camera)) << room;
     }
 }
 
