@@ -10,9 +10,9 @@
 #include "scene/image_store.h"
 #include "scene/overlap.h"
 #include "scene/reprojection.h"
+#include "scene/tile.h"
 
 #include <functional>
-#include "scene/tile.h"
 
 namespace scene {
 
