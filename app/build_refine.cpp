@@ -104,7 +104,7 @@ KeepStage keepBest(const ImportedImages& imported, const Overlaps& overlaps, con
     const std::filesystem::path folder = store.find("kept", stage.key, [&](const std::filesystem::path& part) {
         scene::ImageStore images = openImages(skins.images, options);
         scene::RedundancyFigures figures;
-        std::vector<scene::Image<scene::Keep>> kept;
+        std::vector<scene::KeepMap> kept;
         if (options.cull) {
             kept = scene::findKept(images, overlaps.partners, o, figures, [&] { progress.advance(), ++told; });
         } else {
@@ -115,9 +115,10 @@ KeepStage keepBest(const ImportedImages& imported, const Overlaps& overlaps, con
             figures = {surfaces, surfaces, 0, f.guesses};
         }
         for (std::size_t i = 0; i < kept.size(); ++i) {
-            scene::Image<std::uint8_t> bytes(kept[i].width(), kept[i].height());
+            const scene::Image<scene::Keep> keeps = kept[i].whole();
+            scene::Image<std::uint8_t> bytes(keeps.width(), keeps.height());
             for (std::size_t k = 0; k < bytes.size(); ++k)
-                bytes.pixels()[k] = static_cast<std::uint8_t>(kept[i].pixels()[k]);
+                bytes.pixels()[k] = static_cast<std::uint8_t>(keeps.pixels()[k]);
             writeFlagsTiff(bytes, part / (imported.images[i].name + ".tiff"));
         }
         writeWhole(part / "figures.json",

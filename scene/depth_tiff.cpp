@@ -120,7 +120,7 @@ template <class T>
 Image<T> readPage(TIFF* tiff, int width, int height, int bits, int channels, const std::filesystem::path& path,
                   Image<T> spare = {}) {
     checkPage(tiff, width, height, bits, channels, path);
-    const bool isOfUse = spare.width() == width && spare.height() == height;
+    const bool isOfUse = spare.width() == width && spare.height() == height && !spare.empty();
     Image<T> image = isOfUse ? std::move(spare) : Image<T>(width, height);
     forStrips(height, [&](std::uint32_t strip, int first, int rows) {
         const auto pixels = image.pixels().subspan(placeOf(image, first), placeOf(image, rows));

@@ -18,8 +18,8 @@ namespace scene {
 void writeDepthTiff(const DepthImage& image, const std::filesystem::path& path);
 
 /// Reads what writeDepthTiff wrote; everything is checked before it is used. Throws Failure with path and cause.
-/// spare: an image that nobody needs any more; where it is of the same size its memory is written anew, which saves a
-/// third of the time of a large one.
+/// spare: an image that nobody needs any more; where it is of the same size its memory is written anew, which
+/// spares the system to find and to clear other.
 DepthImage readDepthTiff(const std::filesystem::path& path, DepthImage spare = {});
 
 /// Name, camera and pose alone; the pictures are empty.

@@ -7,6 +7,7 @@
 #include <atomic>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <span>
 
 #include <tbb/parallel_for.h>
@@ -22,9 +23,10 @@ constexpr int kParallelLevels = 3;     ///< deeper, a task would be too small
 constexpr int kSampleStep = 4;         ///< every so many samples, across and down, bound the cube
 constexpr double kOutlierShare = 5e-4; ///< of an image's samples, at each end of an axis, may lie outside
 constexpr int kSampledLevel = 3;       ///< where an estimate carves some nodes and passes over others
-constexpr int kEstimateShare = 16;     ///< it carves one in so many
-constexpr double kUnsure = 1.1;        ///< an estimate may be wrong by so much
-constexpr double kMayShrink = 1.25;    ///< later images take nodes away, hardly more than this times what stays
+constexpr int kSampledNodes = 1 << 6 * kSampledLevel;
+constexpr int kEstimateShare = 16;    ///< it carves one in so many
+constexpr double kSure = 3;           ///< standard errors that it must be too large by, to be believed
+constexpr std::int64_t kOnTheWay = 2; ///< times as many nodes as may stay: later images take few of them away
 
 /// A node that grows. Cells in none of the masks are unseen; children in the order of their bits.
 struct Growing {
@@ -46,7 +48,8 @@ struct Carver {
     glm::dvec3 halfOfUnit{0.0}; ///< half extents, in the camera's axes, of a unit cube along the world's
     bool isCoarse = false;
     double nearestMetres = 0, smallest = 0, atSurface = 0; ///< the last two in samples' spacings
-    int shareOf = 1; ///< of the nodes of kSampledLevel one in so many is carved, and counts for all of them
+    int shareOf = 1;                                       ///< of the nodes of kSampledLevel one in so many is carved
+    std::span<std::int64_t> grownBelow = {}; ///< if not all are: by how many nodes each has grown, by its path
 
     double spacingAt(const glm::dvec3& pInCamera) const {
         return space.spacingAt(std::max(pInCamera.z, nearestMetres));
@@ -150,9 +153,12 @@ class Carving {
         return std::popcount(cells);
     }
 
-    bool isCarved(int level, std::uint64_t path) const {
-        constexpr std::uint64_t kScatter = 0x9e3779b97f4a7c15; // Knuth's multiplicative hash; its upper bits are mixed
-        return level != kSampledLevel || (path * kScatter >> 32) % static_cast<std::uint64_t>(c_.shareOf) == 0;
+    /// By chance, as it were: the finalizer of SplitMix64 (Steele et al. 2014).
+    bool isSampled(std::uint64_t path) const {
+        std::uint64_t z = path + 0x9e3779b97f4a7c15;
+        z = (z ^ z >> 30) * 0xbf58476d1ce4e5b9;
+        z = (z ^ z >> 27) * 0x94d049bb133111eb;
+        return (z ^ z >> 31) % static_cast<std::uint64_t>(c_.shareOf) == 0;
     }
 
     std::int64_t carveChildren(Growing& node, std::uint64_t cells, const glm::dvec3& centre, double cell, int level,
@@ -160,15 +166,17 @@ class Carving {
         std::vector<int> bits;
         for (; cells != 0; cells &= cells - 1)
             bits.push_back(std::countr_zero(cells));
-        const int below = level + 1;
+        const bool isOfSample = c_.shareOf > 1 && level + 1 == kSampledLevel;
         const auto carveOne = [&](std::size_t i) -> std::int64_t {
             const int bit = bits[i];
             const std::uint64_t pathTo = path << 6 | static_cast<std::uint64_t>(bit);
-            if (!isCarved(below, pathTo)) return 0;
+            if (isOfSample && !isSampled(pathTo)) return 0;
             const std::int64_t grown =
                 carve(node.children[childRank(node.divided, bit)],
-                      centreOf(centre, cell, bit % 4, bit / 4 % 4, bit / 16, 1), cell, below, pathTo);
-            return below == kSampledLevel ? c_.shareOf * grown : grown;
+                      centreOf(centre, cell, bit % 4, bit / 4 % 4, bit / 16, 1), cell, level + 1, pathTo);
+            if (!isOfSample) return grown;
+            c_.grownBelow[pathTo] += grown;
+            return 0;
         };
         if (level < kParallelLevels) {
             std::atomic<std::int64_t> grown = 0;
@@ -288,25 +296,26 @@ struct Region {
     double edge = 1;
 };
 
-/// One time through all images.
-struct Pass {
-    bool isCoarse = false;
-    double cellsPerSample = 1;
-    int shareOf = 1; ///< as in Carver
-};
-
-/// The tree while it grows, and how many nodes it has.
-struct Grown {
+/// A tree while it grows.
+struct Sapling {
     Growing root;
     std::int64_t nodes = 1;
-};
+    bool isCoarse = false;
+    double cellsPerSample = 1;
+    std::int64_t most = std::numeric_limits<std::int64_t>::max(); ///< nodes; with more it grows no further
+    std::vector<std::int64_t> sampled; ///< of an estimate: as grownBelow in Carver, and not counted in nodes
+    bool isGivenUp() const { return std::accumulate(sampled.begin(), sampled.end(), nodes) > most; }
 
-/// A tree that grows with others, of another fineness, while the same images are at hand.
-struct Sapling {
-    Pass pass;
-    std::int64_t most; ///< nodes: with more it is given up
-    Grown grown;
-    bool isGivenUp() const { return grown.nodes > most; }
+    /// Nodes that there would be at least, were all carved: by what the sampled ones have grown and differ by.
+    double leastNodes() const {
+        double sum = 0, squares = 0;
+        for (const std::int64_t grown : sampled) {
+            const auto g = static_cast<double>(grown);
+            sum += g, squares += g * g;
+        }
+        return static_cast<double>(nodes) + kEstimateShare * sum -
+               kSure * std::sqrt(kEstimateShare * (kEstimateShare - 1) * squares);
+    }
 };
 
 class Growth {
@@ -344,11 +353,12 @@ class Growth {
         const glm::dvec3 centre = carver.cameraFromWorld * (region_.centre - image->worldFromCamera.translation);
         for (Sapling& tree : trees) {
             if (tree.isGivenUp()) continue;
-            carver.isCoarse = tree.pass.isCoarse;
-            carver.smallest = 1 / tree.pass.cellsPerSample;
+            carver.isCoarse = tree.isCoarse;
+            carver.smallest = 1 / tree.cellsPerSample;
             carver.atSurface = std::max(options_.surfaceSamples, carver.smallest);
-            carver.shareOf = tree.pass.shareOf;
-            tree.grown.nodes += Carving(carver).carve(tree.grown.root, centre, region_.edge, 0, 0);
+            carver.shareOf = tree.sampled.empty() ? 1 : kEstimateShare;
+            carver.grownBelow = tree.sampled;
+            tree.nodes += Carving(carver).carve(tree.root, centre, region_.edge, 0, 0);
         }
     }
 
@@ -363,57 +373,60 @@ class Growth {
 class FinestThatFits {
   public:
     FinestThatFits(Growth growth, const CoverOptions& options, const std::function<void()>& advance)
-        : growth_(std::move(growth)), most_(static_cast<std::int64_t>(options.maxNodes)), advance_(advance) {
-        std::array coarse{Sapling{{.isCoarse = true}, kNoLimit, {}}};
-        growth_.carve(coarse, [&](std::size_t) {
+        : growth_(std::move(growth)),
+          most_(static_cast<std::int64_t>(std::min<std::size_t>(options.maxNodes, kMostNodes))), advance_(advance) {
+        coarse_.isCoarse = true;
+        growth_.carve({&coarse_, 1}, [&](std::size_t) {
             if (advance_) advance_();
         });
-        coarse_ = std::move(coarse[0].grown);
+        coarse_.isCoarse = false;
     }
 
     Growing grow(double& cellsPerSample) {
         for (std::size_t i = 0; cellsPerSample > kCoarsest; cellsPerSample /= 2, ++i) {
             if (i % kEstimatedTogether == 0) estimateFrom(cellsPerSample);
-            if (isLikelyTooLarge_[i % kEstimatedTogether]) continue;
-            Sapling tree = whole(cellsPerSample, times(kMayShrink));
-            if (tree.grown.nodes <= most_) return std::move(tree.grown.root);
+            if (isTooLarge_[i % kEstimatedTogether]) continue;
+            Sapling tree = whole(cellsPerSample, kOnTheWay * most_);
+            if (tree.nodes <= most_) return std::move(tree.root);
         }
-        return std::move(whole(cellsPerSample, kNoLimit).grown.root);
+        return std::move(whole(cellsPerSample, kMostNodes).root);
     }
 
   private:
     static constexpr double kCoarsest = 1e-3; ///< cells per sample: that is taken however large it is
     static constexpr std::size_t kEstimatedTogether = 4;
-    static constexpr std::int64_t kNoLimit = std::numeric_limits<std::int64_t>::max();
-
-    std::int64_t times(double factor) const { return static_cast<std::int64_t>(factor * static_cast<double>(most_)); }
+    static constexpr std::int64_t kMostNodes = std::numeric_limits<std::uint32_t>::max(); ///< they are counted so
 
     /// Of this fineness, of half of it, and so on.
     void estimateFrom(double cellsPerSample) {
-        std::vector<Sapling> trees;
-        for (std::size_t i = 0; i < kEstimatedTogether; ++i, cellsPerSample /= 2)
-            trees.push_back(
-                {{.cellsPerSample = cellsPerSample, .shareOf = kEstimateShare}, times(kUnsure * kMayShrink), coarse_});
+        std::vector<Sapling> trees(kEstimatedTogether, coarse_);
+        for (Sapling& tree : trees) {
+            tree.cellsPerSample = cellsPerSample;
+            tree.sampled.resize(kSampledNodes);
+            tree.most = kOnTheWay * most_;
+            cellsPerSample /= 2;
+        }
         growth_.carve(trees, [](std::size_t) {});
         for (std::size_t i = 0; i < kEstimatedTogether; ++i)
-            isLikelyTooLarge_[i] = trees[i].grown.nodes > times(kUnsure);
+            isTooLarge_[i] = trees[i].isGivenUp() || trees[i].leastNodes() > static_cast<double>(most_);
     }
 
     Sapling whole(double cellsPerSample, std::int64_t most) {
-        std::array tree{Sapling{{.cellsPerSample = cellsPerSample}, most, coarse_}};
-        growth_.carve(tree, [&](std::size_t count) {
+        Sapling tree = coarse_;
+        tree.cellsPerSample = cellsPerSample, tree.most = most;
+        growth_.carve({&tree, 1}, [&](std::size_t count) {
             // One that was given up may have come further.
             if (count > advanced_ && advance_) advance_();
             advanced_ = std::max(advanced_, count);
         });
-        return std::move(tree[0]);
+        return tree;
     }
 
     Growth growth_;
     std::int64_t most_;
     const std::function<void()>& advance_;
-    Grown coarse_;
-    std::array<bool, kEstimatedTogether> isLikelyTooLarge_{};
+    Sapling coarse_;
+    std::array<bool, kEstimatedTogether> isTooLarge_{};
     std::size_t advanced_ = 0;
 };
 

@@ -5,7 +5,7 @@
 //
 // Two passes over the images: the first sees what it can in large cells, so that the second, which follows the ends of
 // seen space down to the samples' own spacing, finds little left to divide. Whether that would take too many nodes
-// is asked of a sixteenth of space before: what cannot be kept takes no memory, and little time.
+// is asked of a sixteenth of space before, in a pass of its own: what is too large by two standard errors is not grown.
 
 #include "scene/coverage.h"
 #include "scene/image_store.h"
@@ -20,7 +20,8 @@ struct CoverOptions {
     double surfaceSamples = 2;  ///< largest cells where it ends at a surface: so many samples wide
     double nearestMetres = 0.5; ///< nearer to a camera, cells do not become smaller
     float tolerance = 0.002f;   ///< relative; how much farther than its sample a surface may be
-    std::size_t maxNodes = 2 << 20; ///< what would take more is kept coarser, half as fine, until it fits
+    /// What would take more, or twice as many on the way, is kept coarser: half as fine, until it fits.
+    std::size_t maxNodes = 2 << 20;
 };
 
 struct CoverFigures {

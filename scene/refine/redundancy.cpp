@@ -66,55 +66,23 @@ std::vector<std::uint32_t> rankImages(const std::vector<std::vector<Partner>>& p
     return rankOf;
 }
 
-/// What an image keeps so far. Others ask for it by bits in squares, so that what a tile of theirs sees lies close
-/// together in memory.
-class KeptSamples {
-  public:
-    explicit KeptSamples(const Camera& camera)
-        : samples(camera.width, camera.height, Keep::no),
-          squares_((camera.width - 1) / kSquare + 1, (camera.height - 1) / kSquare + 1, 0) {}
-
-    /// To be called when samples of these pixels were decided on; not at the same time as anything else.
-    void noteChanges(const PixelBox& pixels) {
-        for (int y = pixels.y0; y < pixels.y1; ++y)
-            for (int x = pixels.x0; x < pixels.x1; ++x)
-                if (samples(x, y) != Keep::no) squares_(x / kSquare, y / kSquare) |= bitOf(x, y);
-    }
-
-    bool has(int x, int y) const { return (squares_(x / kSquare, y / kSquare) & bitOf(x, y)) != 0; }
-
-    bool mayHaveAnyIn(const PixelBox& pixels) const {
-        if (pixels.isEmpty()) return false;
-        for (int y = pixels.y0 / kSquare; y <= (pixels.y1 - 1) / kSquare; ++y)
-            for (int x = pixels.x0 / kSquare; x <= (pixels.x1 - 1) / kSquare; ++x)
-                if (squares_(x, y) != 0) return true;
-        return false;
-    }
-
-    Image<Keep> samples;
-
-  private:
-    static constexpr int kSquare = 8;
-    static std::uint64_t bitOf(int x, int y) { return std::uint64_t{1} << (y % kSquare * kSquare + x % kSquare); }
-
-    Image<std::uint64_t> squares_;
-};
-
 /// Samples of a partner that are kept already, and the way there.
 struct KeptPartner {
     std::uint32_t number; ///< in the store
-    const KeptSamples* kept;
+    const KeepMap* kept;
     const Camera* camera;
     const DepthImage* image; ///< null while it is not borrowed
     Reprojection into;
     float baseline; ///< metres between the two cameras
 };
 
-/// A tile that is being examined: which of the partners may cover samples of it, and which samples are covered.
+/// A tile that is being examined: which of the partners may cover samples of it, which samples are covered, and what
+/// of them is kept that was not before; row by row.
 struct Examined {
     PixelBox pixels;
     std::vector<std::uint32_t> partners;
-    std::vector<std::uint8_t> isCovered; ///< row by row
+    std::vector<std::uint8_t> isCovered;
+    std::vector<Keep> anew;
 };
 
 constexpr float kAnywhere = std::numeric_limits<float>::max();
@@ -146,7 +114,7 @@ class Keeper {
     Keeper(ImageStore& images, const std::vector<std::vector<Partner>>& partners, const RedundancyOptions& options)
         : images_(images), partners_(partners), options_(options), hasKept_(images.size(), 0) {
         for (std::size_t i = 0; i < images.size(); ++i)
-            kept_.emplace_back(images.at(i).camera);
+            kept_.emplace_back(images.at(i).camera.width, images.at(i).camera.height);
     }
 
     /// baselineShare: of a sample's range; who stands farther away does not cover it.
@@ -169,26 +137,25 @@ class Keeper {
                               [&](std::uint32_t p) { return images_.isResident(before[p].number); });
         forGroups(asked, before, bytesOf(image->camera), [&] {
             tbb::parallel_for(std::size_t{0}, tiles.size(), [&](std::size_t t) {
-                cover(examined[t], *image, kept_[self].samples, before, tier, baselineShare);
+                cover(examined[t], *image, kept_[self], before, tier, baselineShare);
             });
         });
         std::atomic<std::int64_t> count = 0;
         tbb::parallel_for(std::size_t{0}, tiles.size(),
-                          [&](std::size_t t) { count += keepTile(examined[t], *image, kept_[self].samples, tier); });
-        for (const Examined& tile : examined)
-            kept_[self].noteChanges(tile.pixels);
+                          [&](std::size_t t) { count += keepTile(examined[t], *image, kept_[self], tier); });
+        // One after the other: tiles may share a word of the map.
+        for (const Examined& tile : examined) {
+            std::size_t at = 0;
+            forSamples(tile.pixels, [&](int x, int y) {
+                if (const Keep keep = tile.anew[at++]; keep != Keep::no) kept_[self].set(x, y, keep);
+            });
+        }
         hasKept_[self] = 1;
         return count;
     }
 
-    const Image<Keep>& keptOf(std::size_t image) const { return kept_[image].samples; }
-
-    std::vector<Image<Keep>> take() {
-        std::vector<Image<Keep>> all;
-        for (KeptSamples& kept : kept_)
-            all.push_back(std::move(kept.samples));
-        return all;
-    }
+    const KeepMap& keptOf(std::size_t image) const { return kept_[image]; }
+    std::vector<KeepMap> take() { return std::move(kept_); }
 
   private:
     PixelBox pixelsOf(const RankedTile& tile, const DepthImage& image) const {
@@ -239,8 +206,13 @@ class Keeper {
             }
             const std::span<const std::uint32_t> group = asked.first(count);
             std::vector<std::optional<ImageStore::Lease>> leases(count);
-            tbb::parallel_for(std::size_t{0}, count,
-                              [&](std::size_t i) { leases[i].emplace(images_.borrow(before[group[i]].number)); });
+            // What is here is taken first, or reading another might let it go.
+            for (std::size_t i = 0; i < count; ++i)
+                if (images_.isResident(before[group[i]].number))
+                    leases[i].emplace(images_.borrow(before[group[i]].number));
+            tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
+                if (!leases[i]) leases[i].emplace(images_.borrow(before[group[i]].number));
+            });
             for (std::size_t i = 0; i < count; ++i)
                 before[group[i]].image = &**leases[i];
             visit();
@@ -253,7 +225,7 @@ class Keeper {
     /// Which partners can cover a sample of the tile at all.
     Examined examine(const RankedTile& tile, const DepthImage& image, const std::vector<KeptPartner>& before,
                      float baselineShare) const {
-        Examined examined{pixelsOf(tile, image), {}, {}};
+        Examined examined{pixelsOf(tile, image), {}, {}, {}};
         float lowest = std::numeric_limits<float>::max(), highest = 0, farthest = 0;
         forSamples(examined.pixels, [&](int x, int y) {
             if (!isDrawable(image.flags(x, y))) return;
@@ -277,7 +249,7 @@ class Keeper {
     }
 
     /// Notes which samples those of the partners that are borrowed cover.
-    void cover(Examined& tile, const DepthImage& image, const Image<Keep>& mine, const std::vector<KeptPartner>& before,
+    void cover(Examined& tile, const DepthImage& image, const KeepMap& mine, const std::vector<KeptPartner>& before,
                Keep tier, float baselineShare) const {
         std::vector<const KeptPartner*> here;
         for (const std::uint32_t p : tile.partners)
@@ -297,16 +269,16 @@ class Keeper {
         });
     }
 
-    std::int64_t keepTile(const Examined& tile, const DepthImage& image, Image<Keep>& kept, Keep tier) const {
+    std::int64_t keepTile(Examined& tile, const DepthImage& image, const KeepMap& kept, Keep tier) const {
+        tile.anew.assign(tile.isCovered.size(), Keep::no);
         std::int64_t count = 0, wanted = 0, there = 0;
         std::size_t at = 0;
         forSamples(tile.pixels, [&](int x, int y) {
-            const bool covered = tile.isCovered[at++] != 0;
+            const std::size_t i = at++;
             if (!isExamined(image.flags(x, y), tier)) return;
             ++there;
-            Keep& mine = kept(x, y);
-            if (mine != Keep::no || covered) return;
-            mine = tier;
+            if (tile.isCovered[i] != 0 || kept(x, y) != Keep::no) return;
+            tile.anew[i] = tier;
             ++wanted;
             count += !isGuess(image.flags(x, y));
         });
@@ -314,11 +286,11 @@ class Keeper {
         if (tier != Keep::directional) return count;
         const bool isPatch =
             wanted > 0 && static_cast<float>(wanted) >= options_.minPatchShare * static_cast<float>(there);
-        count = 0;
+        count = 0, at = 0;
         forSamples(tile.pixels, [&](int x, int y) {
-            Keep& mine = kept(x, y);
+            Keep& mine = tile.anew[at++];
             const std::uint8_t flags = image.flags(x, y);
-            if (mine == Keep::base || !isDrawable(flags)) return;
+            if (kept(x, y) == Keep::base || !isDrawable(flags)) return;
             // A guess is no surface: only where nobody measured is it kept.
             if (!isPatch || !isGuess(flags)) mine = isPatch ? Keep::directional : Keep::no;
             count += isPatch && !isGuess(flags);
@@ -329,7 +301,7 @@ class Keeper {
     ImageStore& images_;
     const std::vector<std::vector<Partner>>& partners_;
     const RedundancyOptions& options_;
-    std::vector<KeptSamples> kept_;
+    std::vector<KeepMap> kept_;
     std::vector<std::uint8_t> hasKept_;
 };
 
@@ -346,9 +318,40 @@ void forRuns(const std::vector<RankedTile>& tiles, SameRun sameRun, Visit visit)
 
 } // namespace
 
-std::vector<Image<Keep>> findKept(ImageStore& images, const std::vector<std::vector<Partner>>& partners,
-                                  const RedundancyOptions& options, RedundancyFigures& figures,
-                                  const std::function<void()>& advance) {
+KeepMap::KeepMap(int width, int height, Keep all)
+    : width_(width), height_(height), squares_((width + kSquare - 1) / kSquare, (height + kSquare - 1) / kSquare) {
+    if (all == Keep::no) return;
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x)
+            set(x, y, all);
+}
+
+void KeepMap::set(int x, int y, Keep keep) {
+    Square& square = squares_(x / kSquare, y / kSquare);
+    const std::uint64_t bit = bitOf(x, y);
+    square.any = keep != Keep::no ? square.any | bit : square.any & ~bit;
+    square.directional = keep == Keep::directional ? square.directional | bit : square.directional & ~bit;
+}
+
+bool KeepMap::mayHaveAnyIn(const PixelBox& pixels) const {
+    if (pixels.isEmpty()) return false;
+    for (int y = pixels.y0 / kSquare; y <= (pixels.y1 - 1) / kSquare; ++y)
+        for (int x = pixels.x0 / kSquare; x <= (pixels.x1 - 1) / kSquare; ++x)
+            if (squares_(x, y).any != 0) return true;
+    return false;
+}
+
+Image<Keep> KeepMap::whole() const {
+    Image<Keep> keeps(width_, height_);
+    for (int y = 0; y < height_; ++y)
+        for (int x = 0; x < width_; ++x)
+            keeps(x, y) = (*this)(x, y);
+    return keeps;
+}
+
+std::vector<KeepMap> findKept(ImageStore& images, const std::vector<std::vector<Partner>>& partners,
+                              const RedundancyOptions& options, RedundancyFigures& figures,
+                              const std::function<void()>& advance) {
     std::vector<std::vector<RankedTile>> tilesOf(images.size());
     tbb::parallel_for(std::size_t{0}, images.size(), [&](std::size_t i) {
         tilesOf[i] = rateTiles(*images.borrow(i), static_cast<std::uint32_t>(i), options.tileSize);
@@ -399,8 +402,9 @@ std::vector<Image<Keep>> findKept(ImageStore& images, const std::vector<std::vec
         const ImageStore::Lease image = images.borrow(i);
         const auto flags = image->flags.pixels();
         figures.samples += std::count_if(flags.begin(), flags.end(), isSurface);
-        for (std::size_t p = 0; p < flags.size(); ++p)
-            figures.guesses += isGuess(flags[p]) && keeper.keptOf(i).pixels()[p] != Keep::no;
+        for (int y = 0; y < image->camera.height; ++y)
+            for (int x = 0; x < image->camera.width; ++x)
+                figures.guesses += isGuess(image->flags(x, y)) && keeper.keptOf(i).has(x, y);
     }
     return keeper.take();
 }

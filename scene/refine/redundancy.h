@@ -39,11 +39,40 @@ struct RedundancyFigures {
 /// What is kept of a sample's surface.
 enum class Keep : std::uint8_t { no = 0, base = 1, directional = 2 };
 
+/// What is kept of an image's samples, in a quarter of a byte each: of all images it is held at once. In squares, so
+/// that what a tile of another image sees lies close together in memory.
+class KeepMap {
+  public:
+    KeepMap(int width, int height, Keep all = Keep::no);
+    Keep operator()(int x, int y) const {
+        const Square& square = squares_(x / kSquare, y / kSquare);
+        const std::uint64_t bit = bitOf(x, y);
+        if ((square.any & bit) == 0) return Keep::no;
+        return (square.directional & bit) != 0 ? Keep::directional : Keep::base;
+    }
+    bool has(int x, int y) const { return (squares_(x / kSquare, y / kSquare).any & bitOf(x, y)) != 0; }
+    bool mayHaveAnyIn(const PixelBox& pixels) const; ///< by whole squares
+    void set(int x, int y, Keep keep);
+    Image<Keep> whole() const;
+    friend bool operator==(const KeepMap&, const KeepMap&) = default;
+
+  private:
+    struct Square {
+        std::uint64_t any = 0, directional = 0;
+        friend bool operator==(const Square&, const Square&) = default;
+    };
+    static constexpr int kSquare = 8;
+    static std::uint64_t bitOf(int x, int y) { return std::uint64_t{1} << (y % kSquare * kSquare + x % kSquare); }
+
+    int width_, height_;
+    Image<Square> squares_;
+};
+
 /// Which samples of each image are kept. The images' flags must have skins and floating samples marked already.
-/// advance is called once for each image, as time goes by. No more images are held at a time than the store's budget
-/// allows, two at least.
-std::vector<Image<Keep>> findKept(ImageStore& images, const std::vector<std::vector<Partner>>& partners,
-                                  const RedundancyOptions& options, RedundancyFigures& figures,
-                                  const std::function<void()>& advance = {});
+/// advance is called once for each image, as time goes by. While images are compared no more are held than the store's
+/// budget allows, two at least.
+std::vector<KeepMap> findKept(ImageStore& images, const std::vector<std::vector<Partner>>& partners,
+                              const RedundancyOptions& options, RedundancyFigures& figures,
+                              const std::function<void()>& advance = {});
 
 } // namespace scene

@@ -43,14 +43,14 @@ Bound boundOf(PositionPictures& pictures, const std::vector<glm::dvec3>& corners
     scene::RedundancyOptions options;
     options.baselineShare = baselineShare;
     scene::RedundancyFigures figures;
-    const std::vector<scene::Image<scene::Keep>> kept =
-        findKept(store, scene::findPartners(outlines), options, figures);
+    const std::vector<scene::KeepMap> kept = findKept(store, scene::findPartners(outlines), options, figures);
     Bound bound;
     bound.whole = figures.samples, bound.kept = figures.base + figures.directional;
     for (std::size_t i = 0; i < images.size(); ++i) {
         scene::DepthImage& image = images[i];
-        for (std::size_t p = 0; p < image.flags.size(); ++p)
-            if (kept[i].pixels()[p] == scene::Keep::no) image.flags.pixels()[p] |= scene::kRedundant;
+        for (int y = 0; y < image.flags.height(); ++y)
+            for (int x = 0; x < image.flags.width(); ++x)
+                if (!kept[i].has(x, y)) image.flags(x, y) |= scene::kRedundant;
         scene::TileSet tiles = scene::cutIntoTiles(image);
         bound.faces.push_back({std::move(image), std::move(tiles)});
     }

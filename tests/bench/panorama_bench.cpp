@@ -55,10 +55,11 @@ Panoramas scanRoom() {
     });
     scene::ImageStore marked(images);
     scene::RedundancyFigures figures;
-    const std::vector<scene::Image<scene::Keep>> kept = scene::findKept(marked, partners, {}, figures);
+    const std::vector<scene::KeepMap> kept = scene::findKept(marked, partners, {}, figures);
     for (std::size_t i = 0; i < images.size(); ++i)
-        for (std::size_t p = 0; p < images[i].flags.size(); ++p)
-            if (kept[i].pixels()[p] == scene::Keep::no) images[i].flags.pixels()[p] |= scene::kRedundant;
+        for (int y = 0; y < images[i].flags.height(); ++y)
+            for (int x = 0; x < images[i].flags.width(); ++x)
+                if (!kept[i].has(x, y)) images[i].flags(x, y) |= scene::kRedundant;
     result.scene = cut(std::move(images));
     return result;
 }

@@ -62,10 +62,16 @@ TEST_F(StoredImages, AreRightInTheMemoryOfOthersOfTheSameSizeOrNot) {
         stored[static_cast<std::size_t>(i)].camera = wide;
         writeDepthTiff(imageNumber(i, wide), stored[static_cast<std::size_t>(i)].file);
     }
+    Image<std::uint8_t> flags(kCamera.width, kCamera.height, 7);
+    stored[2].flagsFile = folder_ / "flags.tiff";
+    writeFlagsTiff(flags, stored[2].flagsFile);
     ImageStore images(stored, bytesOf(kCamera));
+    const float* disparities = nullptr; // where those of the last one were
+    std::size_t before = 1;
     for (const std::size_t i : {0, 2, 1, 3, 0, 1, 2, 3, 2, 0}) {
         EXPECT_FALSE(images.isResident(i));
-        const DepthImage expected = imageNumber(static_cast<int>(i), stored[i].camera);
+        DepthImage expected = imageNumber(static_cast<int>(i), stored[i].camera);
+        if (i == 2) expected.flags = flags;
         const ImageStore::Lease lease = images.borrow(i);
         EXPECT_TRUE(images.isResident(i));
         EXPECT_EQ(lease->name, expected.name);
@@ -73,6 +79,10 @@ TEST_F(StoredImages, AreRightInTheMemoryOfOthersOfTheSameSizeOrNot) {
         EXPECT_TRUE(lease->colour == expected.colour && lease->disparity == expected.disparity &&
                     lease->flags == expected.flags)
             << i;
+        if (i % 2 == before % 2) {
+            EXPECT_EQ(lease->disparity.pixels().data(), disparities) << i;
+        }
+        disparities = lease->disparity.pixels().data(), before = i;
     }
 }
 

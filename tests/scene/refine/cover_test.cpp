@@ -8,6 +8,8 @@
 #include <random>
 
 #include <glm/geometric.hpp>
+#include <limits>
+
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
@@ -191,10 +193,11 @@ TEST(Cover, WhatWouldTakeTooMuchIsKeptCoarser) {
 
 TEST(Cover, IsTheFinestThatMayBeAndAsIfNoFinerOneHadBeenTried) {
     ImageStore store(markedImages(3));
+    CoverFigures all;
+    cover(store, {}, all);
     // From what fits, over what an estimate alone cannot tell, to what is given up several times.
     for (const double share : {2.0, 1.0, 0.98, 0.85, 0.5, 0.2, 0.03}) {
-        CoverFigures all, kept, asked;
-        cover(store, {}, all);
+        CoverFigures kept, asked;
         CoverOptions options;
         options.maxNodes = static_cast<std::size_t>(share * static_cast<double>(all.nodes));
         std::size_t advanced = 0;
@@ -208,6 +211,13 @@ TEST(Cover, IsTheFinestThatMayBeAndAsIfNoFinerOneHadBeenTried) {
         cover(store, {.cellsPerSample = 2 * kept.cellsPerSample}, finer);
         EXPECT_GT(finer.nodes, options.maxNodes) << share;
     }
+}
+
+TEST(Cover, NoLimitIsNone) {
+    ImageStore store(markedImages(2));
+    CoverFigures figures;
+    const Coverage usual = cover(store, {}, figures);
+    EXPECT_EQ(cover(store, {.maxNodes = std::numeric_limits<std::size_t>::max()}, figures), usual);
 }
 
 TEST(Cover, ThereIsATreeHoweverFewNodesItMayHave) {

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <random>
 #include <string>
 
 #include <glm/geometric.hpp>
@@ -25,7 +26,7 @@ std::vector<std::vector<Partner>> partnersOf(ImageStore& store) {
 }
 
 struct Result {
-    std::vector<Image<Keep>> kept;
+    std::vector<KeepMap> kept;
     RedundancyFigures figures;
 };
 
@@ -205,7 +206,7 @@ TEST(Redundancy, PrefersTheImageThatSamplesBetter) {
     for (const bool nearFirst : {false, true}) {
         ImageStore store(nearFirst ? std::vector{near, far} : std::vector{far, near});
         const auto [kept, figures] = keepOf(store, optionsOf(1.5f, 0.f));
-        const Image<Keep>&keptNear = kept[nearFirst ? 0 : 1], &keptFar = kept[nearFirst ? 1 : 0];
+        const Image<Keep> keptNear = kept[nearFirst ? 0 : 1].whole(), keptFar = kept[nearFirst ? 1 : 0].whole();
         EXPECT_EQ(std::count(keptNear.pixels().begin(), keptNear.pixels().end(), Keep::base), 160 * 120);
         EXPECT_EQ(keptFar(80, 60), Keep::no);
         EXPECT_EQ(keptFar(10, 10), Keep::base) << "what only the far one sees";
@@ -213,13 +214,15 @@ TEST(Redundancy, PrefersTheImageThatSamplesBetter) {
 }
 
 /// Places where what is kept borders on what is not, within images: the seams.
-int seamsOf(const std::vector<Image<Keep>>& kept) {
+int seamsOf(const std::vector<KeepMap>& kept) {
     int seams = 0;
-    for (const Image<Keep>& image : kept)
+    for (const KeepMap& map : kept) {
+        const Image<Keep> image = map.whole();
         for (int y = 0; y + 1 < image.height(); ++y)
             for (int x = 0; x + 1 < image.width(); ++x)
                 seams += ((image(x, y) == Keep::no) != (image(x + 1, y) == Keep::no)) +
                          ((image(x, y) == Keep::no) != (image(x, y + 1) == Keep::no));
+    }
     return seams;
 }
 
@@ -266,18 +269,46 @@ TEST(Redundancy, IsTheSameWithRoomForTwoImagesAtATime) {
     RedundancyFigures figures;
     const auto kept = findKept(all, partners, {}, figures);
     const ScratchFolder folder;
-    for (const std::size_t room : {2, 3}) {
-        ImageStore few = storeOf(images, room, folder);
-        RedundancyFigures figuresOfFew;
-        std::size_t advanced = 0;
-        // One thread, since each that rates tiles holds an image of its own.
-        const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
-        EXPECT_TRUE(findKept(few, partners, {}, figuresOfFew, [&] { ++advanced; }) == kept) << room;
-        EXPECT_EQ(figuresOfFew.base, figures.base);
-        EXPECT_EQ(figuresOfFew.directional, figures.directional);
-        EXPECT_EQ(advanced, images.size());
-        EXPECT_EQ(few.peakBytes(), room * bytesOf(images[0].camera)) << room;
-    }
+    for (const std::size_t room : {2, 3})
+        for (const std::size_t threads : {1, 3}) {
+            ImageStore few = storeOf(images, room, folder);
+            RedundancyFigures figuresOfFew;
+            std::size_t advanced = 0;
+            const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+            EXPECT_TRUE(findKept(few, partners, {}, figuresOfFew, [&] { ++advanced; }) == kept) << room;
+            EXPECT_EQ(figuresOfFew.base, figures.base);
+            EXPECT_EQ(figuresOfFew.directional, figures.directional);
+            EXPECT_EQ(advanced, images.size());
+            // Each thread that rates tiles holds an image of its own.
+            EXPECT_LE(few.peakBytes(), std::max(room, threads) * bytesOf(images[0].camera)) << room;
+        }
+}
+
+TEST(KeepMap, HoldsWhatWasSetOfEachSample) {
+    const Image<Keep> truth = [] {
+        Image<Keep> keeps(21, 13);
+        std::mt19937 random(3);
+        for (Keep& keep : keeps.pixels())
+            keep = static_cast<Keep>(random() % 3);
+        return keeps;
+    }();
+    KeepMap map(21, 13), base(21, 13, Keep::base);
+    EXPECT_FALSE(map.mayHaveAnyIn({0, 0, 21, 13}));
+    for (int y = 0; y < 13; ++y)
+        for (int x = 0; x < 21; ++x) {
+            EXPECT_EQ(base(x, y), Keep::base);
+            map.set(x, y, truth(x, y)), base.set(x, y, truth(x, y));
+        }
+    EXPECT_TRUE(map == base);
+    EXPECT_TRUE(map.whole() == truth && base.whole() == truth);
+    for (int y = 0; y < 13; ++y)
+        for (int x = 0; x < 21; ++x)
+            EXPECT_EQ(map.has(x, y), truth(x, y) != Keep::no);
+    KeepMap one(21, 13);
+    one.set(20, 12, Keep::directional);
+    EXPECT_TRUE(one.mayHaveAnyIn({16, 8, 21, 13}));
+    EXPECT_FALSE(one.mayHaveAnyIn({0, 0, 16, 13}));
+    EXPECT_FALSE(one.mayHaveAnyIn({21, 13, 20, 12})) << "an empty box";
 }
 
 TEST(Redundancy, OfNothingAndOfSky) {
