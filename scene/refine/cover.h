@@ -5,7 +5,8 @@
 //
 // Two passes over the images: the first sees what it can in large cells, so that the second, which follows the ends of
 // seen space down to the samples' own spacing, finds little left to divide. Whether that would take too many nodes
-// is asked of a sixteenth of space before, in a pass of its own: what is too large by two standard errors is not grown.
+// is asked of a sixteenth of space before, in a pass of its own: what is too large by three standard errors is not
+// grown.
 
 #include "scene/coverage.h"
 #include "scene/image_store.h"
