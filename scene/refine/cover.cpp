@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <optional>
 #include <span>
 
 #include <tbb/parallel_for.h>
@@ -285,9 +286,13 @@ std::vector<std::size_t> spreadOrder(std::size_t count) {
 std::vector<std::vector<std::size_t>> findCompanions(const ImageStore& images) {
     std::vector<std::vector<std::size_t>> companions(images.size());
     for (std::size_t i = 0; i < images.size(); ++i)
-        for (std::size_t j = 0; j < images.size(); ++j)
-            if (i != j && images.at(i).worldFromCamera.translation == images.at(j).worldFromCamera.translation)
+        for (std::size_t j = 0; j < images.size(); ++j) {
+            const StoredImage &own = images.at(i), &other = images.at(j);
+            if (i != j && own.worldFromCamera.translation == other.worldFromCamera.translation &&
+                OpenSpace::mayContinue(own.camera, own.worldFromCamera.rotation, other.camera,
+                                       other.worldFromCamera.rotation))
                 companions[i].push_back(j);
+        }
     return companions;
 }
 
@@ -337,13 +342,13 @@ class Growth {
   private:
     void carveBy(std::size_t number, std::span<Sapling> trees) {
         const ImageStore::Lease image = images_.borrow(number);
-        std::vector<ImageStore::Lease> leases;
-        std::vector<const DepthImage*> others;
-        for (const std::size_t other : companions_[number]) {
-            leases.push_back(images_.borrow(other));
-            others.push_back(&*leases.back());
-        }
-        const OpenSpace space(*image, others, options_.tolerance);
+        std::optional<ImageStore::Lease> lease; // one at a time: a scan's faces may be large, and with layers many
+        const auto companion = [&](std::size_t i) -> const DepthImage& {
+            lease.reset();
+            return *lease.emplace(images_.borrow(companions_[number][i]));
+        };
+        const OpenSpace space(*image, companions_[number].size(), companion, options_.tolerance);
+        lease.reset();
         Carver carver{space, glm::transpose(image->worldFromCamera.rotation)};
         for (int row = 0; row < 3; ++row)
             carver.halfOfUnit[row] =

@@ -11,6 +11,10 @@ namespace {
 constexpr float kNothing = std::numeric_limits<float>::infinity();
 constexpr int kMarginShare = 8; ///< of the image's width that companions continue it by: one part in so many
 
+int marginOf(const Camera& camera) {
+    return std::max(camera.width / kMarginShare, 2);
+}
+
 /// A gap between so many samples that prove something, of the eight about it, is one of sampling: its ray went as far
 /// as the nearest of theirs. A sample among fewer, itself counted, proves nothing.
 constexpr int kFewAbout = 4;
@@ -30,9 +34,9 @@ bool isEdge(const DepthImage& image, int x, int y) {
 
 } // namespace
 
-OpenSpace::OpenSpace(const DepthImage& image, std::span<const DepthImage* const> companions, float tolerance)
+OpenSpace::OpenSpace(const DepthImage& image, std::size_t companions, const Companion& companion, float tolerance)
     : camera_(image.camera), focal_(std::max(image.camera.fx, image.camera.fy)), tolerance_(tolerance) {
-    const int margin = companions.empty() ? 0 : std::max(image.camera.width / kMarginShare, 2);
+    const int margin = companions == 0 ? 0 : marginOf(image.camera);
     camera_.width += 2 * margin, camera_.height += 2 * margin;
     camera_.cx += margin, camera_.cy += margin;
     levels_.push_back({camera_.width, camera_.height, {}});
@@ -44,40 +48,57 @@ OpenSpace::OpenSpace(const DepthImage& image, std::span<const DepthImage* const>
             levels_[0].spans[static_cast<std::size_t>(y + margin) * static_cast<std::size_t>(camera_.width) +
                              static_cast<std::size_t>(x + margin)] = {end, end, isEdge(image, x, y)};
         }
-    if (margin > 0) continuePast(image, companions, margin);
+    if (margin > 0) continueRim(margin);
+    for (std::size_t i = 0; i < companions; ++i)
+        continuePast(image, companion(i), margin);
     closeGaps();
     widenToPatches();
     buildPyramid();
 }
 
-void OpenSpace::continuePast(const DepthImage& image, std::span<const DepthImage* const> companions, int margin) {
-    for (int y = 0; y < camera_.height; ++y)
-        for (int x = 0; x < camera_.width; ++x) {
-            const bool isInside =
-                x >= margin && y >= margin && x < camera_.width - margin && y < camera_.height - margin;
+bool OpenSpace::mayContinue(const Camera& camera, const glm::dmat3& worldFromCamera, const Camera& companion,
+                            const glm::dmat3& worldFromCompanion) {
+    if (camera == companion && worldFromCamera == worldFromCompanion) return false;
+    const int margin = marginOf(camera);
+    const double right = std::max(camera.width + margin - camera.cx, camera.cx + margin) / camera.fx,
+                 down = std::max(camera.height + margin - camera.cy, camera.cy + margin) / camera.fy;
+    // Of rays of depth 1, the most along the companion's axis.
+    const glm::dvec3 along = glm::transpose(worldFromCamera) * worldFromCompanion[2];
+    return right * std::abs(along.x) + down * std::abs(along.y) + along.z > 0;
+}
+
+/// The last row and column have no square of their own within the image: with others beyond them they are no edge.
+void OpenSpace::continueRim(int margin) {
+    const int right = camera_.width - margin - 1, bottom = camera_.height - margin - 1;
+    for (int y = margin; y <= bottom; ++y)
+        for (int x = y == bottom ? margin : right; x <= right; ++x) {
             Span& span = levels_[0].spans[static_cast<std::size_t>(y) * static_cast<std::size_t>(camera_.width) +
                                           static_cast<std::size_t>(x)];
-            // The last row and column have no square of their own within the image.
-            const bool isLast = isInside && (x == camera_.width - margin - 1 || y == camera_.height - margin - 1);
-            if (isInside && !isLast) continue;
-            if (isLast && span.nearest < kNothing) span.hasEdge = false;
-            if (isInside) continue;
+            if (span.nearest < kNothing) span.hasEdge = false;
+        }
+}
+
+void OpenSpace::continuePast(const DepthImage& image, const DepthImage& companion, int margin) {
+    for (int y = 0; y < camera_.height; ++y)
+        for (int x = 0; x < camera_.width; ++x) {
+            if (x >= margin && y >= margin && x < camera_.width - margin && y < camera_.height - margin) continue;
+            Span& span = levels_[0].spans[static_cast<std::size_t>(y) * static_cast<std::size_t>(camera_.width) +
+                                          static_cast<std::size_t>(x)];
+            if (span.nearest < kNothing) continue; // a companion before this one saw it
             const glm::dvec3 ray = rayThrough(camera_, x + 0.5, y + 0.5);
             const glm::dvec3 inWorld = image.worldFromCamera.rotation * ray;
-            for (const DepthImage* other : companions) {
-                const glm::dvec3 there = glm::transpose(other->worldFromCamera.rotation) * inWorld;
-                if (there.z <= 0) continue;
-                const glm::dvec2 at = project(other->camera, there);
-                if (!(at.x >= 0 && at.y >= 0 && at.x < other->camera.width && at.y < other->camera.height)) continue;
-                const int ox = static_cast<int>(at.x), oy = static_cast<int>(at.y);
-                const float end = openEndOf(*other, ox, oy);
-                if (!(end < kNothing)) continue;
-                // Depths of one point along two axes are as the ray's lengths along them.
-                const auto here = static_cast<float>(end * there.z);
-                const bool isBorder = ox + 1 >= other->camera.width || oy + 1 >= other->camera.height;
-                span = {here, here, !isBorder && isEdge(*other, ox, oy)};
-                break;
-            }
+            const glm::dvec3 there = glm::transpose(companion.worldFromCamera.rotation) * inWorld;
+            if (there.z <= 0) continue;
+            const glm::dvec2 at = project(companion.camera, there);
+            const Camera& other = companion.camera;
+            if (!(at.x >= 0 && at.y >= 0 && at.x < other.width && at.y < other.height)) continue;
+            const int ox = static_cast<int>(at.x), oy = static_cast<int>(at.y);
+            const float end = openEndOf(companion, ox, oy);
+            if (!(end < kNothing)) continue;
+            // Depths of one point along two axes are as the ray's lengths along them.
+            const auto here = static_cast<float>(end * there.z);
+            const bool isBorder = ox + 1 >= other.width || oy + 1 >= other.height;
+            span = {here, here, !isBorder && isEdge(companion, ox, oy)};
         }
 }
 

@@ -9,7 +9,7 @@
 
 #include "scene/depth_image.h"
 
-#include <span>
+#include <functional>
 #include <vector>
 
 #include <glm/vec3.hpp>
@@ -32,10 +32,18 @@ struct BoxSight {
 /// was measured and none guessed, or others saw through the sample, it proves nothing.
 class OpenSpace {
   public:
-    /// companions: the other images taken from the very same place (faces of one scan). They continue the image past
-    /// its borders by an eighth of its size, so that no border runs through space that a scan saw whole.
+    using Companion = std::function<const DepthImage&(std::size_t)>;
+
+    /// Companions: the other images taken from the very same place (faces of one scan). They continue the image past
+    /// its borders by an eighth of its size, so that no border runs through space that a scan saw whole. Each is asked
+    /// for once, in order, and no longer needed when the next is.
     /// tolerance: relative difference in disparity by which a sample's surface may be farther than it says.
-    OpenSpace(const DepthImage& image, std::span<const DepthImage* const> companions, float tolerance);
+    OpenSpace(const DepthImage& image, std::size_t companions, const Companion& companion, float tolerance);
+
+    /// Whether an image from the same place may see rays past another's borders: not if it has the same borders, or
+    /// looks the other way.
+    static bool mayContinue(const Camera& camera, const glm::dmat3& worldFromCamera, const Camera& companion,
+                            const glm::dmat3& worldFromCompanion);
 
     /// Conservative: all and none hold for every point of the box.
     BoxSight look(const BoxInCamera& box) const;
@@ -63,7 +71,8 @@ class OpenSpace {
     };
     /// overNear, overFar: disparities of the box's two ends.
     Rectangle rectangleOf(const BoxInCamera& box, double overNear, double overFar) const;
-    void continuePast(const DepthImage& image, std::span<const DepthImage* const> companions, int margin);
+    void continueRim(int margin);
+    void continuePast(const DepthImage& image, const DepthImage& companion, int margin);
     void closeGaps();
     void widenToPatches();
     void buildPyramid();

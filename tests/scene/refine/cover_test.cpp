@@ -1,15 +1,17 @@
 #include "scene/refine/cover.h"
 
+#include "scene/depth_tiff.h"
+#include "scene/refine/open_space.h"
 #include "scene/refine/skins.h"
 #include "tests/scene/known_scenes.h"
+#include "tests/scene/scratch_folder.h"
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <random>
 
 #include <glm/geometric.hpp>
-#include <limits>
-
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
@@ -161,6 +163,52 @@ TEST(Cover, FacesOfOneScanLeaveNoSeamBetweenThem) {
     const Coverage coverage = coverOf(faces);
     for (double t = 0.1; t < 1.9; t += 0.003)
         ASSERT_NE(observedAt(coverage, {t, 0.05 * t, t}), Observed::unseen) << t;
+}
+
+/// Of a cube about the scanner.
+std::vector<DepthImage> facesOfAScan() {
+    const Camera square{24, 24, 12, 12, 12, 12};
+    const double half = std::sqrt(0.5);
+    const std::vector<Pose> looks{{},
+                                  poseFromQuaternion({0, 0, 0}, 0, half, 0, half),
+                                  poseFromQuaternion({0, 0, 0}, 0, 1, 0, 0),
+                                  poseFromQuaternion({0, 0, 0}, 0, -half, 0, half),
+                                  poseFromQuaternion({0, 0, 0}, half, 0, 0, half),
+                                  poseFromQuaternion({0, 0, 0}, -half, 0, 0, half)};
+    std::vector<DepthImage> faces;
+    for (const Pose& look : looks) {
+        faces.push_back(imageOf(square, look, [](double, double) { return 0.5; }));
+        faces.back().name = std::to_string(faces.size());
+    }
+    return faces;
+}
+
+TEST(Cover, AFaceIsContinuedByThoseBesideItAlone) {
+    const std::vector<DepthImage> faces = facesOfAScan();
+    for (std::size_t i = 0; i < faces.size(); ++i) {
+        int beside = 0;
+        for (const DepthImage& other : faces)
+            beside += OpenSpace::mayContinue(faces[i].camera, faces[i].worldFromCamera.rotation, other.camera,
+                                             other.worldFromCamera.rotation);
+        EXPECT_EQ(beside, 4) << "not by itself, nor by the opposite one";
+    }
+}
+
+TEST(Cover, OfFacesOfAScanTwoAreHeldAtATime) {
+    const std::vector<DepthImage> faces = facesOfAScan();
+    const ScratchFolder folder;
+    std::vector<StoredImage> stored;
+    for (const DepthImage& face : faces) {
+        stored.push_back({face.name, face.camera, face.worldFromCamera, folder / (face.name + ".tiff"), {}});
+        writeDepthTiff(face, stored.back().file);
+    }
+    const std::size_t bytes = bytesOf(faces[0].camera);
+    ImageStore all(stored, faces.size() * bytes), few(stored, bytes);
+    const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+    CoverFigures figures;
+    EXPECT_EQ(cover(few, {}, figures), cover(all, {}, figures));
+    EXPECT_EQ(few.peakBytes(), 2 * bytes);
+    EXPECT_GT(figures.emptyCubicMetres, 0);
 }
 
 TEST(Cover, IsTheSameOnAnyNumberOfThreads) {
