@@ -9,6 +9,7 @@ revisit_test(revisit_refine_tests WHOLE LABELS unit TIMEOUT 300 LINKS scene scen
         scene/project/dropouts_test.cpp
         scene/refine/colour_evening_test.cpp
         scene/refine/cover_test.cpp
+        scene/refine/open_space_test.cpp
         scene/refine/fusion_test.cpp
         scene/overlap_test.cpp
         scene/refine/patch_cost_test.cpp

@@ -1,6 +1,6 @@
 #include "scene/refine/cover.h"
 
-#include "scene/refine/open_space.h"
+#include "scene/refine/open_spaces.h"
 
 #include <algorithm>
 #include <array>
@@ -8,7 +8,6 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
-#include <optional>
 #include <span>
 
 #include <tbb/parallel_for.h>
@@ -271,31 +270,6 @@ std::vector<CoverageNode> flatten(const Growing& root) {
     return nodes;
 }
 
-/// A fixed order in which neighbours in the capture, which see the same, come far apart.
-std::vector<std::size_t> spreadOrder(std::size_t count) {
-    std::vector<std::size_t> order;
-    std::size_t stride = 1;
-    while (stride * stride < count)
-        ++stride;
-    for (std::size_t first = 0; first < stride; ++first)
-        for (std::size_t i = first; i < count; i += stride)
-            order.push_back(i);
-    return order;
-}
-
-std::vector<std::vector<std::size_t>> findCompanions(const ImageStore& images) {
-    std::vector<std::vector<std::size_t>> companions(images.size());
-    for (std::size_t i = 0; i < images.size(); ++i)
-        for (std::size_t j = 0; j < images.size(); ++j) {
-            const StoredImage &own = images.at(i), &other = images.at(j);
-            if (i != j && own.worldFromCamera.translation == other.worldFromCamera.translation &&
-                OpenSpace::mayContinue(own.camera, own.worldFromCamera.rotation, other.camera,
-                                       other.worldFromCamera.rotation))
-                companions[i].push_back(j);
-        }
-    return companions;
-}
-
 struct Region {
     glm::dvec3 centre{0.0};
     double edge = 1;
@@ -326,36 +300,29 @@ struct Sapling {
 class Growth {
   public:
     Growth(ImageStore& images, const Region& region, const CoverOptions& options)
-        : images_(images), companions_(findCompanions(images)), order_(spreadOrder(images.size())), region_(region),
-          options_(options) {}
+        : spaces_(images, options.tolerance), region_(region), options_(options) {}
 
     /// All images carve all trees, until none is left that is not given up. afterImage is told how many images did.
     template <class AfterImage>
     void carve(std::span<Sapling> trees, const AfterImage& afterImage) {
-        for (std::size_t i = 0; i < order_.size(); ++i) {
-            carveBy(order_[i], trees);
-            if (std::ranges::all_of(trees, &Sapling::isGivenUp)) return;
-            afterImage(i + 1);
-        }
+        std::size_t count = 0;
+        spaces_.forEach([&](const DepthImage& image, const OpenSpace& space) {
+            carveBy(image, space, trees);
+            if (std::ranges::all_of(trees, &Sapling::isGivenUp)) return false;
+            afterImage(++count);
+            return true;
+        });
     }
 
   private:
-    void carveBy(std::size_t number, std::span<Sapling> trees) {
-        const ImageStore::Lease image = images_.borrow(number);
-        std::optional<ImageStore::Lease> lease; // one at a time: a scan's faces may be large, and with layers many
-        const auto companion = [&](std::size_t i) -> const DepthImage& {
-            lease.reset();
-            return *lease.emplace(images_.borrow(companions_[number][i]));
-        };
-        const OpenSpace space(*image, companions_[number].size(), companion, options_.tolerance);
-        lease.reset();
-        Carver carver{space, glm::transpose(image->worldFromCamera.rotation)};
+    void carveBy(const DepthImage& image, const OpenSpace& space, std::span<Sapling> trees) {
+        Carver carver{space, glm::transpose(image.worldFromCamera.rotation)};
         for (int row = 0; row < 3; ++row)
             carver.halfOfUnit[row] =
                 0.5 * (std::abs(carver.cameraFromWorld[0][row]) + std::abs(carver.cameraFromWorld[1][row]) +
                        std::abs(carver.cameraFromWorld[2][row]));
         carver.nearestMetres = options_.nearestMetres;
-        const glm::dvec3 centre = carver.cameraFromWorld * (region_.centre - image->worldFromCamera.translation);
+        const glm::dvec3 centre = carver.cameraFromWorld * (region_.centre - image.worldFromCamera.translation);
         for (Sapling& tree : trees) {
             if (tree.isGivenUp()) continue;
             carver.isCoarse = tree.isCoarse;
@@ -367,9 +334,7 @@ class Growth {
         }
     }
 
-    ImageStore& images_;
-    std::vector<std::vector<std::size_t>> companions_;
-    std::vector<std::size_t> order_;
+    OpenSpaces spaces_;
     Region region_;
     const CoverOptions& options_;
 };

@@ -1,148 +1,102 @@
 #include "scene/refine/open_space.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
-#include <limits>
+
+#include <tbb/parallel_for.h>
 
 namespace scene {
 
 namespace {
 
-constexpr float kNothing = std::numeric_limits<float>::infinity();
-constexpr int kMarginShare = 8; ///< of the image's width that companions continue it by: one part in so many
-
-int marginOf(const Camera& camera) {
-    return std::max(camera.width / kMarginShare, 2);
-}
+constexpr float kNothing = RayEnd::kNothing;
 
 /// A gap between so many samples that prove something, of the eight about it, is one of sampling: its ray went as far
 /// as the nearest of theirs. A sample among fewer, itself counted, proves nothing.
 constexpr int kFewAbout = 4;
 
-/// The disparity at which a sample's ray ends, infinite if it proves nothing.
-float openEndOf(const DepthImage& image, int x, int y) {
-    return isDrawable(image.flags(x, y)) ? image.disparity(x, y) : kNothing;
-}
-
-bool isEdge(const DepthImage& image, int x, int y) {
-    const int right = x + 1, below = y + 1;
-    if (right >= image.camera.width || below >= image.camera.height) return true;
-    return (image.flags(x, y) & (kSkinUpper | kSkinLower)) != 0 || !isSurface(image.flags(x, y)) ||
-           !isSurface(image.flags(right, y)) || !isSurface(image.flags(x, below)) ||
-           !isSurface(image.flags(right, below));
-}
-
 } // namespace
 
-OpenSpace::OpenSpace(const DepthImage& image, std::size_t companions, const Companion& companion, float tolerance)
-    : camera_(image.camera), focal_(std::max(image.camera.fx, image.camera.fy)), tolerance_(tolerance) {
-    const int margin = companions == 0 ? 0 : marginOf(image.camera);
-    camera_.width += 2 * margin, camera_.height += 2 * margin;
-    camera_.cx += margin, camera_.cy += margin;
-    levels_.push_back({camera_.width, camera_.height, {}});
-    levels_[0].spans.assign(static_cast<std::size_t>(camera_.width) * static_cast<std::size_t>(camera_.height),
-                            {kNothing, kNothing, true});
-    for (int y = 0; y < image.camera.height; ++y)
-        for (int x = 0; x < image.camera.width; ++x) {
-            const float end = openEndOf(image, x, y);
-            levels_[0].spans[static_cast<std::size_t>(y + margin) * static_cast<std::size_t>(camera_.width) +
-                             static_cast<std::size_t>(x + margin)] = {end, end, isEdge(image, x, y)};
-        }
-    if (margin > 0) continueRim(margin);
-    for (std::size_t i = 0; i < companions; ++i)
-        continuePast(image, companion(i), margin);
+OpenSpace::OpenSpace(const DepthImage& image, const Rim* rim, float tolerance, Buffers& buffers)
+    : camera_(rim ? rim->widened() : image.camera), focal_(std::max(image.camera.fx, image.camera.fy)),
+      tolerance_(tolerance), buffers_(buffers) {
+    const auto longest = static_cast<unsigned>(std::max(camera_.width, camera_.height));
+    buffers_.levels.resize(static_cast<std::size_t>(std::bit_width(longest - 1)) + 1);
+    for (std::size_t level = 0; level < buffers_.levels.size(); ++level) {
+        Level& of = buffers_.levels[level];
+        const auto halved = [&](int size) { return ((size - 1) >> level) + 1; };
+        of.width = halved(camera_.width), of.height = halved(camera_.height);
+        of.spans.resize(static_cast<std::size_t>(of.width) * static_cast<std::size_t>(of.height));
+    }
+    buffers_.before.resize(buffers_.levels[0].spans.size());
+    takeEnds(image, rim);
     closeGaps();
     widenToPatches();
     buildPyramid();
 }
 
-bool OpenSpace::mayContinue(const Camera& camera, const glm::dmat3& worldFromCamera, const Camera& companion,
-                            const glm::dmat3& worldFromCompanion) {
-    if (camera == companion && worldFromCamera == worldFromCompanion) return false;
-    const int margin = marginOf(camera);
-    const double right = std::max(camera.width + margin - camera.cx, camera.cx + margin) / camera.fx,
-                 down = std::max(camera.height + margin - camera.cy, camera.cy + margin) / camera.fy;
-    // Of rays of depth 1, the most along the companion's axis.
-    const glm::dvec3 along = glm::transpose(worldFromCamera) * worldFromCompanion[2];
-    return right * std::abs(along.x) + down * std::abs(along.y) + along.z > 0;
-}
-
-/// The last row and column have no square of their own within the image: with others beyond them they are no edge.
-void OpenSpace::continueRim(int margin) {
-    const int right = camera_.width - margin - 1, bottom = camera_.height - margin - 1;
-    for (int y = margin; y <= bottom; ++y)
-        for (int x = y == bottom ? margin : right; x <= right; ++x) {
-            Span& span = levels_[0].spans[static_cast<std::size_t>(y) * static_cast<std::size_t>(camera_.width) +
-                                          static_cast<std::size_t>(x)];
-            if (span.nearest < kNothing) span.hasEdge = false;
-        }
-}
-
-void OpenSpace::continuePast(const DepthImage& image, const DepthImage& companion, int margin) {
-    for (int y = 0; y < camera_.height; ++y)
+void OpenSpace::takeEnds(const DepthImage& image, const Rim* rim) {
+    const int margin = rim ? rim->margin() : 0, width = image.camera.width, height = image.camera.height;
+    const auto endOf = [&](int x, int y) -> RayEnd {
+        if (x < 0 || y < 0 || x >= width || y >= height) return rim->at(x + margin, y + margin);
+        RayEnd end = rayEndOf(image, x, y);
+        // The last row and column have no square of their own within the image: with others beyond they are no edge.
+        if (rim && (x == width - 1 || y == height - 1) && end.provesSomething()) end.isEdge = false;
+        return end;
+    };
+    tbb::parallel_for(0, camera_.height, [&](int y) {
+        Span* row = buffers_.before.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(camera_.width);
         for (int x = 0; x < camera_.width; ++x) {
-            if (x >= margin && y >= margin && x < camera_.width - margin && y < camera_.height - margin) continue;
-            Span& span = levels_[0].spans[static_cast<std::size_t>(y) * static_cast<std::size_t>(camera_.width) +
-                                          static_cast<std::size_t>(x)];
-            if (span.nearest < kNothing) continue; // a companion before this one saw it
-            const glm::dvec3 ray = rayThrough(camera_, x + 0.5, y + 0.5);
-            const glm::dvec3 inWorld = image.worldFromCamera.rotation * ray;
-            const glm::dvec3 there = glm::transpose(companion.worldFromCamera.rotation) * inWorld;
-            if (there.z <= 0) continue;
-            const glm::dvec2 at = project(companion.camera, there);
-            const Camera& other = companion.camera;
-            if (!(at.x >= 0 && at.y >= 0 && at.x < other.width && at.y < other.height)) continue;
-            const int ox = static_cast<int>(at.x), oy = static_cast<int>(at.y);
-            const float end = openEndOf(companion, ox, oy);
-            if (!(end < kNothing)) continue;
-            // Depths of one point along two axes are as the ray's lengths along them.
-            const auto here = static_cast<float>(end * there.z);
-            const bool isBorder = ox + 1 >= other.width || oy + 1 >= other.height;
-            span = {here, here, !isBorder && isEdge(companion, ox, oy)};
+            const RayEnd end = endOf(x - margin, y - margin);
+            row[x] = {end.disparity, end.disparity, end.isEdge};
         }
+    });
 }
 
 void OpenSpace::closeGaps() {
-    const Level& raw = levels_[0];
-    std::vector<Span> closed = raw.spans;
-    for (int y = 0; y < raw.height; ++y)
-        for (int x = 0; x < raw.width; ++x) {
+    const std::vector<Span>& raw = buffers_.before;
+    Level& closed = buffers_.levels[0];
+    tbb::parallel_for(0, closed.height, [&](int y) {
+        for (int x = 0; x < closed.width; ++x) {
             int proving = 0;
             float nearest = 0;
-            for (int ny = std::max(y - 1, 0); ny <= std::min(y + 1, raw.height - 1); ++ny)
-                for (int nx = std::max(x - 1, 0); nx <= std::min(x + 1, raw.width - 1); ++nx) {
-                    const float end = raw.spans[static_cast<std::size_t>(ny) * static_cast<std::size_t>(raw.width) +
-                                                static_cast<std::size_t>(nx)]
+            for (int ny = std::max(y - 1, 0); ny <= std::min(y + 1, closed.height - 1); ++ny)
+                for (int nx = std::max(x - 1, 0); nx <= std::min(x + 1, closed.width - 1); ++nx) {
+                    const float end = raw[static_cast<std::size_t>(ny) * static_cast<std::size_t>(closed.width) +
+                                          static_cast<std::size_t>(nx)]
                                           .nearest;
                     if (!(end < kNothing)) continue;
                     ++proving;
                     nearest = std::max(nearest, end);
                 }
-            Span& span =
-                closed[static_cast<std::size_t>(y) * static_cast<std::size_t>(raw.width) + static_cast<std::size_t>(x)];
+            const std::size_t index =
+                static_cast<std::size_t>(y) * static_cast<std::size_t>(closed.width) + static_cast<std::size_t>(x);
+            Span span = raw[index];
             const bool proves = span.nearest < kNothing;
             if (!proves && proving >= kFewAbout) span = {nearest, nearest, true};
             if (proves && proving < kFewAbout) span = {kNothing, kNothing, true};
+            closed.spans[index] = span;
         }
-    levels_[0].spans = std::move(closed);
+    });
 }
 
 void OpenSpace::widenToPatches() {
-    const Level& raw = levels_[0];
-    std::vector<Span> patches = raw.spans;
-    const auto at = [&](int x, int y) -> const Span& {
-        return raw
-            .spans[static_cast<std::size_t>(y) * static_cast<std::size_t>(raw.width) + static_cast<std::size_t>(x)];
-    };
+    Level& closed = buffers_.levels[0];
+    std::vector<Span>& patches = buffers_.before;
+    const auto at = [&](int x, int y) -> const Span& { return closed.at(x, y); };
     // Between neighbours that a square without a silhouette joins, half of what lies between them is this sample's.
     const auto isJoined = [&](int x, int y, int alongX) {
-        if (x < 0 || y < 0 || x + alongX >= raw.width || y + 1 - alongX >= raw.height) return false;
+        if (x < 0 || y < 0 || x + alongX >= closed.width || y + 1 - alongX >= closed.height) return false;
         const int before = alongX == 1 ? y - 1 : x - 1;
         return !at(x, y).hasEdge || (before >= 0 && !(alongX == 1 ? at(x, before) : at(before, y)).hasEdge);
     };
-    for (int y = 0; y < raw.height; ++y)
-        for (int x = 0; x < raw.width; ++x) {
-            const float own = at(x, y).nearest;
+    tbb::parallel_for(0, closed.height, [&](int y) {
+        for (int x = 0; x < closed.width; ++x) {
+            Span& patch = patches[static_cast<std::size_t>(y) * static_cast<std::size_t>(closed.width) +
+                                  static_cast<std::size_t>(x)];
+            patch = at(x, y);
+            const float own = patch.nearest;
             if (!(own < kNothing)) continue;
             float reach = 0;
             for (const int alongX : {0, 1}) {
@@ -155,33 +109,30 @@ void OpenSpace::widenToPatches() {
                 }
                 reach += steps / 2;
             }
-            Span& patch = patches[static_cast<std::size_t>(y) * static_cast<std::size_t>(raw.width) +
-                                  static_cast<std::size_t>(x)];
             patch.nearest = own + reach, patch.farthest = std::max(own - reach, 0.0f);
         }
-    levels_[0].spans = std::move(patches);
+    });
+    closed.spans.swap(patches);
 }
 
 void OpenSpace::buildPyramid() {
-    while (levels_.back().width > 1 || levels_.back().height > 1) {
-        const Level& fine = levels_.back();
-        Level coarse{(fine.width + 1) / 2, (fine.height + 1) / 2, {}};
-        coarse.spans.reserve(static_cast<std::size_t>(coarse.width) * static_cast<std::size_t>(coarse.height));
-        for (int y = 0; y < coarse.height; ++y)
+    for (std::size_t level = 1; level < buffers_.levels.size(); ++level) {
+        const Level& fine = buffers_.levels[level - 1];
+        Level& coarse = buffers_.levels[level];
+        tbb::parallel_for(0, coarse.height, [&](int y) {
             for (int x = 0; x < coarse.width; ++x) {
                 Span span{0, kNothing, false};
                 for (int fy = 2 * y; fy < std::min(2 * y + 2, fine.height); ++fy)
                     for (int fx = 2 * x; fx < std::min(2 * x + 2, fine.width); ++fx) {
-                        const Span& of =
-                            fine.spans[static_cast<std::size_t>(fy) * static_cast<std::size_t>(fine.width) +
-                                       static_cast<std::size_t>(fx)];
+                        const Span& of = fine.at(fx, fy);
                         span.nearest = std::max(span.nearest, of.nearest);
                         span.farthest = std::min(span.farthest, of.farthest);
                         span.hasEdge = span.hasEdge || of.hasEdge;
                     }
-                coarse.spans.push_back(span);
+                coarse.spans[static_cast<std::size_t>(y) * static_cast<std::size_t>(coarse.width) +
+                             static_cast<std::size_t>(x)] = span;
             }
-        levels_.push_back(std::move(coarse));
+        });
     }
 }
 
@@ -204,15 +155,32 @@ bool OpenSpace::holdsSample(const BoxInCamera& box) const {
     if (zNear <= 0) return false;
     const double overNear = 1 / zNear, overFar = 1 / zFar;
     const Rectangle in = rectangleOf(box, overNear, overFar);
+    if (in.isEmpty()) return false;
     const auto boxNear = static_cast<float>(overNear), boxFar = static_cast<float>(overFar);
-    for (int y = in.top; y <= in.bottom; ++y)
-        for (int x = in.left; x <= in.right; ++x) {
-            const Span& patch = levels_[0].spans[static_cast<std::size_t>(y) * static_cast<std::size_t>(camera_.width) +
-                                                 static_cast<std::size_t>(x)];
-            if (patch.nearest > 0 && patch.nearest < kNothing && patch.nearest >= boxFar && patch.farthest <= boxNear)
-                return true;
-        }
+    const std::size_t level = levelOf(in);
+    for (int y = in.top >> level; y <= in.bottom >> level; ++y)
+        for (int x = in.left >> level; x <= in.right >> level; ++x)
+            if (holdsSampleBelow(in, level, x, y, boxNear, boxFar)) return true;
     return false;
+}
+
+bool OpenSpace::holdsSampleBelow(const Rectangle& in, std::size_t level, int x, int y, float boxNear,
+                                 float boxFar) const {
+    const Span& span = buffers_.levels[level].at(x, y);
+    if (!(span.nearest > 0 && span.nearest >= boxFar && span.farthest <= boxNear)) return false; // none of it does
+    if (level == 0) return span.nearest < kNothing;
+    const std::size_t finer = level - 1;
+    for (int fy = std::max(2 * y, in.top >> finer); fy <= std::min(2 * y + 1, in.bottom >> finer); ++fy)
+        for (int fx = std::max(2 * x, in.left >> finer); fx <= std::min(2 * x + 1, in.right >> finer); ++fx)
+            if (holdsSampleBelow(in, finer, fx, fy, boxNear, boxFar)) return true;
+    return false;
+}
+
+std::size_t OpenSpace::levelOf(const Rectangle& in) {
+    std::size_t level = 0;
+    while ((in.right >> level) - (in.left >> level) > 2 || (in.bottom >> level) - (in.top >> level) > 2)
+        ++level;
+    return level;
 }
 
 BoxSight OpenSpace::look(const BoxInCamera& box) const {
@@ -228,19 +196,14 @@ BoxSight OpenSpace::look(const BoxInCamera& box) const {
     const double overNear = 1 / zNear, overFar = 1 / zFar;
     const Rectangle in = rectangleOf(box, overNear, overFar);
     if (in.isEmpty()) return {};
-    int x0 = in.left, y0 = in.top, x1 = in.right, y1 = in.bottom;
-    std::size_t level = 0;
-    while (x1 - x0 > 2 || y1 - y0 > 2)
-        x0 >>= 1, x1 >>= 1, y0 >>= 1, y1 >>= 1, ++level;
-
-    const Level& pyramid = levels_[level];
+    const std::size_t level = levelOf(in);
+    const Level& pyramid = buffers_.levels[level];
     const auto boxNear = static_cast<float>(overNear), boxFar = static_cast<float>(overFar);
     BoxSight sight;
     Span span{0, kNothing, !in.isWhole};
-    for (int y = y0; y <= y1; ++y)
-        for (int x = x0; x <= x1; ++x) {
-            const Span& of = pyramid.spans[static_cast<std::size_t>(y) * static_cast<std::size_t>(pyramid.width) +
-                                           static_cast<std::size_t>(x)];
+    for (int y = in.top >> level; y <= in.bottom >> level; ++y)
+        for (int x = in.left >> level; x <= in.right >> level; ++x) {
+            const Span& of = pyramid.at(x, y);
             span.nearest = std::max(span.nearest, of.nearest);
             span.farthest = std::min(span.farthest, of.farthest);
             span.hasEdge = span.hasEdge || of.hasEdge;

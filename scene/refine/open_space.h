@@ -7,9 +7,8 @@
 //          +-----+   +-----+       +--|--+  +-----+
 //            all       all          part     none
 
-#include "scene/depth_image.h"
+#include "scene/refine/rim.h"
 
-#include <functional>
 #include <vector>
 
 #include <glm/vec3.hpp>
@@ -31,30 +30,6 @@ struct BoxSight {
 /// A ray is open up to its sample's surface, without end at disparity 0 (sky), up to a guess of range; where no range
 /// was measured and none guessed, or others saw through the sample, it proves nothing.
 class OpenSpace {
-  public:
-    using Companion = std::function<const DepthImage&(std::size_t)>;
-
-    /// Companions: the other images taken from the very same place (faces of one scan). They continue the image past
-    /// its borders by an eighth of its size, so that no border runs through space that a scan saw whole. Each is asked
-    /// for once, in order, and no longer needed when the next is.
-    /// tolerance: relative difference in disparity by which a sample's surface may be farther than it says.
-    OpenSpace(const DepthImage& image, std::size_t companions, const Companion& companion, float tolerance);
-
-    /// Whether an image from the same place may see rays past another's borders: not if it has the same borders, or
-    /// looks the other way.
-    static bool mayContinue(const Camera& camera, const glm::dmat3& worldFromCamera, const Camera& companion,
-                            const glm::dmat3& worldFromCompanion);
-
-    /// Conservative: all and none hold for every point of the box.
-    BoxSight look(const BoxInCamera& box) const;
-
-    /// Whether a sample's surface lies in the box; looks at every sample seen through it, so it should be small.
-    bool holdsSample(const BoxInCamera& box) const;
-
-    /// Metres between neighbouring samples' rays at that depth.
-    double spacingAt(double zMetres) const { return zMetres / focal_; }
-
-  private:
     struct Span {
         float nearest, farthest; ///< disparities: most and least of the open ends; infinite where nothing is proved
         bool hasEdge;
@@ -62,7 +37,35 @@ class OpenSpace {
     struct Level {
         int width = 0, height = 0;
         std::vector<Span> spans;
+        const Span& at(int x, int y) const {
+            return spans[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)];
+        }
     };
+
+  public:
+    /// Memory that one image after another uses: for a large face some hundred megabytes.
+    class Buffers {
+        friend class OpenSpace;
+        std::vector<Level> levels; ///< finest first
+        std::vector<Span> before;  ///< of the finest, what the step before has left
+    };
+
+    /// rim: null, or what the other faces of the image's scan saw past its borders, so that no border runs through
+    /// space that the scan saw whole.
+    /// tolerance: relative difference in disparity by which a sample's surface may be farther than it says.
+    /// buffers: hold it until another is made in them.
+    OpenSpace(const DepthImage& image, const Rim* rim, float tolerance, Buffers& buffers);
+
+    /// Conservative: all and none hold for every point of the box.
+    BoxSight look(const BoxInCamera& box) const;
+
+    /// Whether a sample's surface lies in the box; goes down to the samples seen through it.
+    bool holdsSample(const BoxInCamera& box) const;
+
+    /// Metres between neighbouring samples' rays at that depth.
+    double spacingAt(double zMetres) const { return zMetres / focal_; }
+
+  private:
     /// The samples seen through a box before the camera, first to last; empty if it is outside the image.
     struct Rectangle {
         int left = 0, top = 0, right = -1, bottom = -1;
@@ -71,16 +74,19 @@ class OpenSpace {
     };
     /// overNear, overFar: disparities of the box's two ends.
     Rectangle rectangleOf(const BoxInCamera& box, double overNear, double overFar) const;
-    void continueRim(int margin);
-    void continuePast(const DepthImage& image, const DepthImage& companion, int margin);
+    /// The finest at which it is no more than three spans wide and high.
+    static std::size_t levelOf(const Rectangle& in);
+    /// Of those of that span.
+    bool holdsSampleBelow(const Rectangle& in, std::size_t level, int x, int y, float boxNear, float boxFar) const;
+    void takeEnds(const DepthImage& image, const Rim* rim);
     void closeGaps();
     void widenToPatches();
     void buildPyramid();
 
-    Camera camera_; ///< with the margin
+    Camera camera_; ///< with the rim's margin
     double focal_ = 1;
     float tolerance_;
-    std::vector<Level> levels_; ///< finest first
+    Buffers& buffers_;
 };
 
 } // namespace scene

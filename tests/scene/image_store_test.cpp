@@ -4,6 +4,7 @@
 #include "scene/errors.h"
 #include "tests/scene/random_poses.h"
 #include "tests/scene/scratch_folder.h"
+#include "tests/scene/stored_images.h"
 
 #include <atomic>
 #include <optional>
@@ -29,12 +30,10 @@ DepthImage imageNumber(int number, const Camera& camera = kCamera) {
 class StoredImages : public testing::Test {
   protected:
     std::vector<StoredImage> store(int count) {
-        std::vector<StoredImage> stored;
-        for (int i = 0; i < count; ++i) {
-            stored.push_back({std::to_string(i), kCamera, {}, folder_ / (std::to_string(i) + ".tiff"), {}});
-            writeDepthTiff(imageNumber(i), stored.back().file);
-        }
-        return stored;
+        std::vector<DepthImage> images;
+        for (int i = 0; i < count; ++i)
+            images.push_back(imageNumber(i));
+        return writeImages(images, folder_.path());
     }
 
     ScratchFolder folder_;

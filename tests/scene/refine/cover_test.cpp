@@ -1,10 +1,10 @@
 #include "scene/refine/cover.h"
 
-#include "scene/depth_tiff.h"
-#include "scene/refine/open_space.h"
+#include "scene/refine/rim.h"
 #include "scene/refine/skins.h"
 #include "tests/scene/known_scenes.h"
 #include "tests/scene/scratch_folder.h"
+#include "tests/scene/stored_images.h"
 
 #include <algorithm>
 #include <cmath>
@@ -188,26 +188,22 @@ TEST(Cover, AFaceIsContinuedByThoseBesideItAlone) {
     for (std::size_t i = 0; i < faces.size(); ++i) {
         int beside = 0;
         for (const DepthImage& other : faces)
-            beside += OpenSpace::mayContinue(faces[i].camera, faces[i].worldFromCamera.rotation, other.camera,
-                                             other.worldFromCamera.rotation);
+            beside += Rim::mayShow(faces[i].camera, faces[i].worldFromCamera.rotation, other.camera,
+                                   other.worldFromCamera.rotation);
         EXPECT_EQ(beside, 4) << "not by itself, nor by the opposite one";
     }
 }
 
-TEST(Cover, OfFacesOfAScanTwoAreHeldAtATime) {
+TEST(Cover, OfFacesOfAScanOneIsHeldAtATime) {
     const std::vector<DepthImage> faces = facesOfAScan();
     const ScratchFolder folder;
-    std::vector<StoredImage> stored;
-    for (const DepthImage& face : faces) {
-        stored.push_back({face.name, face.camera, face.worldFromCamera, folder / (face.name + ".tiff"), {}});
-        writeDepthTiff(face, stored.back().file);
-    }
+    const std::vector<StoredImage> stored = writeImages(faces, folder.path());
     const std::size_t bytes = bytesOf(faces[0].camera);
     ImageStore all(stored, faces.size() * bytes), few(stored, bytes);
     const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
     CoverFigures figures;
     EXPECT_EQ(cover(few, {}, figures), cover(all, {}, figures));
-    EXPECT_EQ(few.peakBytes(), 2 * bytes);
+    EXPECT_EQ(few.peakBytes(), bytes);
     EXPECT_GT(figures.emptyCubicMetres, 0);
 }
 

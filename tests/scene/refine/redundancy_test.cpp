@@ -1,8 +1,8 @@
 #include "scene/refine/redundancy.h"
 
-#include "scene/depth_tiff.h"
 #include "tests/scene/known_scenes.h"
 #include "tests/scene/scratch_folder.h"
+#include "tests/scene/stored_images.h"
 
 #include <algorithm>
 #include <limits>
@@ -249,16 +249,6 @@ TEST(Redundancy, GivesTheSameBytesOnOneThreadAndOnTwo) {
     }
 }
 
-/// A store that reads them from files, of which it holds no more than count at a time.
-ImageStore storeOf(const std::vector<DepthImage>& images, std::size_t count, const ScratchFolder& folder) {
-    std::vector<StoredImage> stored;
-    for (const DepthImage& image : images) {
-        stored.push_back({image.name, image.camera, image.worldFromCamera, folder / (image.name + ".tiff"), {}});
-        writeDepthTiff(image, stored.back().file);
-    }
-    return {stored, count * bytesOf(images.front().camera)};
-}
-
 TEST(Redundancy, IsTheSameWithRoomForTwoImagesAtATime) {
     std::vector<DepthImage> images = holedImages();
     for (std::size_t i = 0; i < images.size(); ++i)
@@ -271,7 +261,7 @@ TEST(Redundancy, IsTheSameWithRoomForTwoImagesAtATime) {
     const ScratchFolder folder;
     for (const std::size_t room : {2, 3})
         for (const std::size_t threads : {1, 3}) {
-            ImageStore few = storeOf(images, room, folder);
+            ImageStore few(writeImages(images, folder.path()), room * bytesOf(images[0].camera));
             RedundancyFigures figuresOfFew;
             std::size_t advanced = 0;
             const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);

@@ -1,0 +1,88 @@
+#include "scene/refine/open_spaces.h"
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <optional>
+
+namespace scene {
+
+namespace {
+
+constexpr std::size_t kRimsShare = 4; ///< of the store's budget: one part in so many
+
+/// Far apart, and always the same.
+std::vector<std::size_t> spreadOrder(std::size_t count) {
+    std::vector<std::size_t> order;
+    std::size_t stride = 1;
+    while (stride * stride < count)
+        ++stride;
+    for (std::size_t first = 0; first < stride; ++first)
+        for (std::size_t i = first; i < count; i += stride)
+            order.push_back(i);
+    return order;
+}
+
+} // namespace
+
+OpenSpaces::OpenSpaces(ImageStore& images, float tolerance) : images_(images), tolerance_(tolerance) {
+    std::vector<Place> places;
+    std::map<std::array<double, 3>, std::size_t> placeAt;
+    for (std::size_t i = 0; i < images.size(); ++i) {
+        const StoredImage& image = images.at(i);
+        const glm::dvec3& p = image.worldFromCamera.translation;
+        const auto [entry, isNew] = placeAt.try_emplace({p.x, p.y, p.z}, places.size());
+        if (isNew) places.emplace_back();
+        Place& place = places[entry->second];
+        const glm::dmat3& rotation = image.worldFromCamera.rotation;
+        auto face = std::ranges::find_if(
+            place, [&](const Face& other) { return other.camera == image.camera && other.worldFromFace == rotation; });
+        if (face == place.end()) face = place.insert(place.end(), {image.camera, rotation, {}});
+        face->images.push_back(i);
+    }
+    for (const std::size_t i : spreadOrder(places.size()))
+        places_.push_back(std::move(places[i]));
+}
+
+void OpenSpaces::forEach(const Visit& visit) {
+    for (const Place& place : places_)
+        if (!visitPlace(place, visit)) return;
+}
+
+bool OpenSpaces::visitPlace(const Place& place, const Visit& visit) {
+    for (std::size_t first = 0, end = 0; first < place.size(); first = end) {
+        std::size_t bytes = 0;
+        do
+            bytes += Rim::bytesOf(place[end++].camera);
+        while (end < place.size() && bytes + Rim::bytesOf(place[end].camera) <= images_.budgetBytes() / kRimsShare);
+        const std::vector<std::optional<Rim>> rims = rimsOf(place, first, end);
+        for (std::size_t f = first; f < end; ++f)
+            for (const std::size_t i : place[f].images) {
+                const ImageStore::Lease image = images_.borrow(i);
+                const std::optional<Rim>& rim = rims[f - first];
+                if (!visit(*image, OpenSpace(*image, rim ? &*rim : nullptr, tolerance_, buffers_))) return false;
+            }
+    }
+    return true;
+}
+
+std::vector<std::optional<Rim>> OpenSpaces::rimsOf(const Place& place, std::size_t first, std::size_t end) {
+    // By number: where two see the same ray, the one that comes first in the capture says how far it was open.
+    std::map<std::size_t, std::vector<std::size_t>> facesShownBy;
+    std::vector<std::optional<Rim>> rims(end - first);
+    for (std::size_t f = first; f < end; ++f)
+        for (const Face& other : place) {
+            if (!Rim::mayShow(place[f].camera, place[f].worldFromFace, other.camera, other.worldFromFace)) continue;
+            if (!rims[f - first]) rims[f - first].emplace(place[f].camera, place[f].worldFromFace);
+            for (const std::size_t i : other.images)
+                facesShownBy[i].push_back(f - first);
+        }
+    for (const auto& [number, faces] : facesShownBy) {
+        const ImageStore::Lease image = images_.borrow(number);
+        for (const std::size_t f : faces)
+            rims[f]->take(*image);
+    }
+    return rims;
+}
+
+} // namespace scene

@@ -1,0 +1,44 @@
+#pragma once
+// The open space of all images of a build, one image after another.
+
+#include "scene/image_store.h"
+#include "scene/refine/open_space.h"
+
+#include <functional>
+#include <optional>
+#include <vector>
+
+namespace scene {
+
+/// Images from the very same place (the faces of a scan, and their layers) come one after another, so that each is read
+/// once for all the rims of its place, not once for each.
+class OpenSpaces {
+  public:
+    /// tolerance: of OpenSpace.
+    OpenSpaces(ImageStore& images, float tolerance);
+
+    /// False: no further image is wanted.
+    using Visit = std::function<bool(const DepthImage&, const OpenSpace&)>;
+    /// Always in the same order, in which neighbours in the capture, which see the same, come far apart. One image
+    /// is held at a time, and rims of no more than a quarter of the store's budget, or one.
+    void forEach(const Visit& visit);
+
+  private:
+    /// One direction from a place; images: by number.
+    struct Face {
+        Camera camera;
+        glm::dmat3 worldFromFace{1.0};
+        std::vector<std::size_t> images;
+    };
+    using Place = std::vector<Face>;
+    bool visitPlace(const Place& place, const Visit& visit);
+    /// Of those faces; none where no other face may show anything of it.
+    std::vector<std::optional<Rim>> rimsOf(const Place& place, std::size_t first, std::size_t end);
+
+    ImageStore& images_;
+    std::vector<Place> places_;
+    float tolerance_;
+    OpenSpace::Buffers buffers_;
+};
+
+} // namespace scene
