@@ -166,7 +166,7 @@ CoverageStage coverSpace(const SkinStage& skins, const BuildOptions& options, St
     const scene::CoverOptions& o = options.coverage;
     const std::string key = keyOf(
         {kCoverageVersion, skins.key, o.cellsPerSample, o.surfaceSamples, o.nearestMetres, o.tolerance, o.maxNodes});
-    Progress progress("coverage", 2 * skins.images.size());
+    Progress progress("coverage", 3 * skins.images.size());
     const std::filesystem::path folder = store.find("coverage", key, [&](const std::filesystem::path& part) {
         scene::ImageStore images = openImages(skins.images, options);
         scene::CoverFigures f;

@@ -342,13 +342,11 @@ class Growth {
 /// Grows the finest tree of no more nodes than may be; cellsPerSample is that of it.
 class FinestThatFits {
   public:
-    FinestThatFits(Growth growth, const CoverOptions& options, const std::function<void()>& advance)
-        : growth_(std::move(growth)),
+    FinestThatFits(Growth growth, std::size_t images, const CoverOptions& options, const std::function<void()>& advance)
+        : growth_(std::move(growth)), images_(images),
           most_(static_cast<std::int64_t>(std::min<std::size_t>(options.maxNodes, kMostNodes))), advance_(advance) {
         coarse_.isCoarse = true;
-        growth_.carve({&coarse_, 1}, [&](std::size_t) {
-            if (advance_) advance_();
-        });
+        growth_.carve({&coarse_, 1}, [&](std::size_t count) { advanceTo(count); });
         coarse_.isCoarse = false;
     }
 
@@ -376,7 +374,7 @@ class FinestThatFits {
             tree.most = kOnTheWay * most_;
             cellsPerSample /= 2;
         }
-        growth_.carve(trees, [](std::size_t) {});
+        growth_.carve(trees, [&](std::size_t count) { advanceTo(images_ + count); });
         for (std::size_t i = 0; i < kEstimatedTogether; ++i)
             isTooLarge_[i] = trees[i].isGivenUp() || trees[i].leastNodes() > static_cast<double>(most_);
     }
@@ -384,15 +382,18 @@ class FinestThatFits {
     Sapling whole(double cellsPerSample, std::int64_t most) {
         Sapling tree = coarse_;
         tree.cellsPerSample = cellsPerSample, tree.most = most;
-        growth_.carve({&tree, 1}, [&](std::size_t count) {
-            // One that was given up may have come further.
-            if (count > advanced_ && advance_) advance_();
-            advanced_ = std::max(advanced_, count);
-        });
+        growth_.carve({&tree, 1}, [&](std::size_t count) { advanceTo(2 * images_ + count); });
         return tree;
     }
 
+    /// One that was given up may have come further.
+    void advanceTo(std::size_t steps) {
+        for (; advanced_ < steps; ++advanced_)
+            if (advance_) advance_();
+    }
+
     Growth growth_;
+    std::size_t images_;
     std::int64_t most_;
     const std::function<void()>& advance_;
     Sapling coarse_;
@@ -416,7 +417,8 @@ Coverage cover(ImageStore& images, const CoverOptions& options, CoverFigures& fi
         region.edge = std::max(1.1 * std::max({size.x, size.y, size.z}), 1e-3);
     }
     figures.cellsPerSample = options.cellsPerSample;
-    const Growing root = FinestThatFits(Growth(images, region, options), options, advance).grow(figures.cellsPerSample);
+    const Growing root =
+        FinestThatFits(Growth(images, region, options), images.size(), options, advance).grow(figures.cellsPerSample);
     Coverage coverage{region.centre - glm::dvec3(region.edge / 2), region.edge, flatten(root)};
     figures.nodes = coverage.nodes.size();
     figures.finestMetres = finestCellOf(coverage);

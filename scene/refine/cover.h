@@ -33,7 +33,7 @@ struct CoverFigures {
 };
 
 /// Coverage of the cube about all samples and cameras, from images whose skins are marked (refine/skins.h). advance is
-/// called for each image, twice. The same tree on any number of threads. No image or no sample: a cube of a metre that
+/// called for each image, thrice. The same tree on any number of threads. No image or no sample: a cube of a metre that
 /// nobody observed.
 Coverage cover(ImageStore& images, const CoverOptions& options, CoverFigures& figures,
                const std::function<void()>& advance = {});

@@ -246,7 +246,7 @@ TEST(Cover, IsTheFinestThatMayBeAndAsIfNoFinerOneHadBeenTried) {
         options.maxNodes = static_cast<std::size_t>(share * static_cast<double>(all.nodes));
         std::size_t advanced = 0;
         const Coverage coverage = cover(store, options, kept, [&] { ++advanced; });
-        EXPECT_EQ(advanced, 2 * store.size()) << share;
+        EXPECT_EQ(advanced, 3 * store.size()) << share;
         EXPECT_LE(kept.nodes, options.maxNodes) << share;
         EXPECT_EQ(kept.cellsPerSample == 1, share >= 1) << share;
         EXPECT_EQ(cover(store, {.cellsPerSample = kept.cellsPerSample}, asked), coverage) << share;
@@ -271,7 +271,7 @@ TEST(Cover, ThereIsATreeHoweverFewNodesItMayHave) {
     cover(store, {.maxNodes = 1}, figures, [&] { ++advanced; });
     EXPECT_GT(figures.emptyCubicMetres, 0);
     EXPECT_LT(figures.cellsPerSample, 1e-3);
-    EXPECT_EQ(advanced, 2 * store.size());
+    EXPECT_EQ(advanced, 3 * store.size());
 }
 
 TEST(Cover, NothingAtAllIsUnseen) {
