@@ -15,7 +15,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr int kRefineVersion = 9, kTilesVersion = 5, kCoverageVersion = 1;
+constexpr int kRefineVersion = 9, kTilesVersion = 5, kCoverageVersion = 2;
 
 json describe(const scene::ComparisonOptions& o) {
     return {o.sameSurface, o.pixelError};

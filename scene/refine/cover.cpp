@@ -386,7 +386,7 @@ class FinestThatFits {
         return tree;
     }
 
-    /// One that was given up may have come further.
+    /// Or leaves it: a tree that was given up may have come further. What an estimate had no need of is made up for.
     void advanceTo(std::size_t steps) {
         for (; advanced_ < steps; ++advanced_)
             if (advance_) advance_();

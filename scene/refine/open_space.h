@@ -43,7 +43,7 @@ class OpenSpace {
     };
 
   public:
-    /// Memory that one image after another uses: for a large face some hundred megabytes.
+    /// Memory that one image after another uses: 28 bytes for each sample, those of a rim included.
     class Buffers {
         friend class OpenSpace;
         std::vector<Level> levels; ///< finest first
@@ -53,8 +53,10 @@ class OpenSpace {
     /// rim: null, or what the other faces of the image's scan saw past its borders, so that no border runs through
     /// space that the scan saw whole.
     /// tolerance: relative difference in disparity by which a sample's surface may be farther than it says.
-    /// buffers: hold it until another is made in them.
+    /// buffers: of no other that is still looked at; what is made in them is valid until the next is.
     OpenSpace(const DepthImage& image, const Rim* rim, float tolerance, Buffers& buffers);
+    OpenSpace(const OpenSpace&) = delete;
+    OpenSpace& operator=(const OpenSpace&) = delete;
 
     /// Conservative: all and none hold for every point of the box.
     BoxSight look(const BoxInCamera& box) const;

@@ -11,16 +11,17 @@
 namespace scene {
 
 /// Images from the very same place (the faces of a scan, and their layers) come one after another, so that each is read
-/// once for all the rims of its place, not once for each.
+/// once to be looked at, and once for as many rims of its place as there is room for, not once for each.
 class OpenSpaces {
   public:
     /// tolerance: of OpenSpace.
     OpenSpaces(ImageStore& images, float tolerance);
 
-    /// False: no further image is wanted.
+    /// Both are valid until it returns. False: no further image is wanted.
     using Visit = std::function<bool(const DepthImage&, const OpenSpace&)>;
-    /// Always in the same order, in which neighbours in the capture, which see the same, come far apart. One image
-    /// is held at a time, and rims of no more than a quarter of the store's budget, or one.
+    /// Always in the same order, in which places that are neighbours in the capture, which see the same, come far
+    /// apart. One image is held at a time; beside the store's budget there are rims of no more than a quarter of it, or
+    /// one, and the buffers of one open space.
     void forEach(const Visit& visit);
 
   private:

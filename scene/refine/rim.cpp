@@ -1,6 +1,7 @@
 #include "scene/refine/rim.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 
 #include <tbb/parallel_for.h>
@@ -63,12 +64,13 @@ void Rim::take(const DepthImage& image) {
         if (there.z <= 0) return;
         const glm::dvec2 at = project(camera, there);
         if (!(at.x >= 0 && at.y >= 0 && at.x < camera.width && at.y < camera.height)) return;
-        const RayEnd end = rayEndOf(image, static_cast<int>(at.x), static_cast<int>(at.y));
+        const int column = static_cast<int>(at.x), row = static_cast<int>(at.y);
+        const RayEnd end = rayEndOf(image, column, row);
         if (!end.provesSomething()) return;
         // Depths of one point along two axes are as the ray's lengths along them.
         disparities_[index] = static_cast<float>(end.disparity * there.z);
         // The next image sees on where this one ends.
-        const bool isBorder = at.x + 1 >= camera.width || at.y + 1 >= camera.height;
+        const bool isBorder = column + 1 >= camera.width || row + 1 >= camera.height;
         edges_[index] = !isBorder && end.isEdge ? 1 : 0;
     };
     tbb::parallel_for(0, widened_.height, [&](int y) {
@@ -90,6 +92,7 @@ std::size_t Rim::bytesOf(const Camera& face) {
 }
 
 std::size_t Rim::indexOf(int x, int y) const {
+    assert(!crossesFace(y) || x < margin_ || x >= widened_.width - margin_);
     const auto width = static_cast<std::size_t>(widened_.width), across = 2 * static_cast<std::size_t>(margin_),
                row = static_cast<std::size_t>(y), column = static_cast<std::size_t>(x),
                margin = static_cast<std::size_t>(margin_),

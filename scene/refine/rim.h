@@ -3,7 +3,7 @@
 // faces were cut along.
 //
 //   +-------------------+        face    of width samples: one direction, one or more images (layers)
-//   |  rim              |        margin  an eighth of width
+//   |  rim              |        margin  an eighth of width, two at least
 //   |   +-----------+   |        rim     rays between the face's borders and those of the face widened by the margin
 //   |   |   face    |   |
 //   |   +-----------+   |
