@@ -386,7 +386,8 @@ class FinestThatFits {
         return tree;
     }
 
-    /// Or leaves it: a tree that was given up may have come further. What an estimate had no need of is made up for.
+    /// Each step is told once, though a tree that was given up may have come further than the next, and an estimate
+    /// may end early.
     void advanceTo(std::size_t steps) {
         for (; advanced_ < steps; ++advanced_)
             if (advance_) advance_();
