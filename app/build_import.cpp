@@ -15,6 +15,7 @@
 #include <cmath>
 
 #include <tbb/parallel_for.h>
+#include <tbb/task_group.h>
 
 namespace app {
 
@@ -70,21 +71,30 @@ scene::CubeFaceOptions within(scene::CubeFaceOptions faces, std::uint64_t memory
 void writeFaces(const scene::ScanSource& source, const ScanPhotographs& photographs,
                 const scene::CubeFaceOptions& options, const std::filesystem::path& folder) {
     const scene::Scan scan = readScan(source);
-    scene::CubeFaces faces = scene::projectToCubeFaces(scan, options);
-    if (!scan.hasColour && !photographs.images.empty()) {
-        for (scene::DepthImage& face : faces.faces) {
-            SampleColours colours(face);
-            for (const scene::StoredImage& photograph : photographs.images)
-                if (colours.mayTake(photograph)) colours.take(scene::readDepthTiff(photograph.file));
-            colours.give();
-        }
-    }
     json names = json::array();
-    for (const scene::DepthImage& face : faces.faces) {
-        writeDepthTiff(face, folder / (face.name + ".tiff"));
-        names.push_back(face.name);
-    }
-    const scene::CubeFaceReport& report = faces.report;
+    std::vector<scene::DepthImage> finished; // one face's images, which are written while the next are made
+    const auto write = [&] {
+        for (scene::DepthImage& face : finished) {
+            if (!scan.hasColour && !photographs.images.empty()) {
+                SampleColours colours(face);
+                for (const scene::StoredImage& photograph : photographs.images)
+                    if (colours.mayTake(photograph)) colours.take(scene::readDepthTiff(photograph.file));
+                colours.give();
+            }
+            writeDepthTiff(face, folder / (face.name + ".tiff"));
+        }
+        finished.clear();
+    };
+    tbb::task_group writing;
+    const scene::CubeFaceReport report =
+        scene::projectToCubeFaces(scan, options, [&](std::vector<scene::DepthImage> layers) {
+            for (const scene::DepthImage& face : layers)
+                names.push_back(face.name);
+            writing.wait();
+            finished = std::move(layers);
+            writing.run(write);
+        });
+    writing.wait();
     const glm::dvec3 up = scan.worldFromScanner.rotation[2];
     writeWhole(folder / "points.json", json{{"faces", names},
                                             {"points", report.points},

@@ -132,14 +132,16 @@ class Records {
   public:
     Records(e57::ImageFile& file, const e57::CompressedVectorNode& points) {
         const e57::StructureNode prototype(points.prototype());
+        const auto ofBlock = static_cast<std::size_t>(
+            std::clamp<std::int64_t>(points.childCount(), 1, static_cast<std::int64_t>(kBlockPoints)));
         const auto take = [&](Field field, const char* name) {
             const auto node = childOf(prototype, name);
             if (!node || values_[field].size()) return;
             const bool isNumber = node->type() == e57::E57_INTEGER || node->type() == e57::E57_SCALED_INTEGER ||
                                   node->type() == e57::E57_FLOAT;
             if (!isNumber) return;
-            values_[field].resize(kBlockPoints);
-            buffers_.emplace_back(file, name, values_[field].data(), kBlockPoints, true, true);
+            values_[field].resize(ofBlock);
+            buffers_.emplace_back(file, name, values_[field].data(), ofBlock, true, true);
         };
         take(kX, "cartesianX");
         take(kY, "cartesianY");
@@ -292,6 +294,7 @@ ScanWithIntensity readAs(const ScanSource& source, bool wantsIntensity) {
         const std::size_t expected = std::min(static_cast<std::uint64_t>(count), fileBytes);
         scan.pointsInScanner.reserve(expected);
         scan.colours.reserve(expected);
+        if (gridded) scan.row.reserve(expected), scan.column.reserve(expected);
         std::optional<glm::dvec3> origin;
         std::vector<glm::dvec3> block;
         std::vector<std::size_t> valid;

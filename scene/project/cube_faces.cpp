@@ -8,6 +8,8 @@
 
 #include <algorithm>
 #include <cassert>
+#include <iterator>
+#include <span>
 
 #include <glm/matrix.hpp>
 #include <tbb/parallel_for.h>
@@ -89,14 +91,49 @@ std::array<std::vector<std::uint32_t>, kFaceCount> pointsOfFaces(const Scan& sca
     return points;
 }
 
+/// The images of a face, which its points make. Adds to the report what became of them.
+std::vector<DepthImage> layersOf(const Scan& scan, const ScanGrid* grid, const CubeFrame& frame, int face,
+                                 const Camera& camera, std::span<const std::uint32_t> points,
+                                 const CubeFaceOptions& options, CubeFaceReport& report) {
+    std::vector<DepthImage> layers{emptyFace(scan, frame, face, camera)};
+    PixelClusters clusters;
+    {
+        Image<MeshPixel> mesh;
+        if (grid) {
+            mesh = drawGrid(scan, *grid, frame, face, camera);
+            paintMesh(scan, *grid, frame, face, mesh, layers[0]);
+        }
+        clusters = placePoints(scan, frame, face, points, grid, mesh, options, layers[0]);
+    }
+    report.held += clusters.held;
+    report.dropped += clusters.dropped;
+    report.pixels += clusters.pixels;
+
+    int x0 = 0, y0 = 0;
+    cropToUsed(layers[0], x0, y0);
+    const Camera used = layers[0].camera;
+    for (const LayerSample& sample : clusters.further) {
+        while (layers.size() <= static_cast<std::size_t>(sample.layer)) {
+            DepthImage next = emptyFace(scan, frame, face, used);
+            next.name += "-" + std::to_string(layers.size() + 1);
+            layers.push_back(std::move(next));
+        }
+        DepthImage& image = layers[static_cast<std::size_t>(sample.layer)];
+        const int x = sample.x - x0, y = sample.y - y0;
+        image.disparity(x, y) = sample.disparity;
+        image.colour(x, y) = sample.colour;
+        image.flags(x, y) = scan.hasColour ? std::uint8_t{0} : std::uint8_t{kNoColour};
+    }
+    return layers;
+}
+
 } // namespace
 
-CubeFaces projectToCubeFaces(const Scan& scan, const CubeFaceOptions& options) {
+CubeFaceReport projectToCubeFaces(const Scan& scan, const CubeFaceOptions& options, const TakeFace& take) {
     assert(scan.colours.size() == scan.pointsInScanner.size());
-    CubeFaces result;
-    CubeFaceReport& report = result.report;
+    CubeFaceReport report;
     report.points = static_cast<std::int64_t>(scan.pointsInScanner.size());
-    if (scan.pointsInScanner.empty()) return result;
+    if (scan.pointsInScanner.empty()) return report;
 
     const std::optional<ScanGrid> grid = gridOf(scan, options.sameSurface);
     const CubeFrame frame = cubeFrame(scan, grid ? glm::dvec3(0.0) : viewpointOf(scan));
@@ -106,43 +143,22 @@ CubeFaces projectToCubeFaces(const Scan& scan, const CubeFaceOptions& options) {
     const auto layouts = layOutFaces(scan, frame, steps, grid.has_value(), options);
     const auto points = pointsOfFaces(scan, frame);
 
-    // One face after the other: the images of a dense scan are large, and each face is parallel within.
     for (int face = 0; face < kFaceCount; ++face) {
         const auto& [camera, coarserThanScan] = layouts[static_cast<std::size_t>(face)];
         const auto& own = points[static_cast<std::size_t>(face)];
         if (own.empty()) continue;
         report.coarserThanScan |= coarserThanScan;
-        DepthImage first = emptyFace(scan, frame, face, camera);
-        Image<MeshPixel> mesh;
-        if (grid) {
-            mesh = drawGrid(scan, *grid, frame, face, camera);
-            paintMesh(scan, *grid, frame, face, mesh, first);
-        }
-        const PixelClusters clusters =
-            placePoints(scan, frame, face, own, grid ? &*grid : nullptr, mesh, options, first);
-        report.held += clusters.held;
-        report.dropped += clusters.dropped;
-        report.pixels += clusters.pixels;
-
-        int x0 = 0, y0 = 0;
-        cropToUsed(first, x0, y0);
-        const Camera used = first.camera;
-        result.faces.push_back(std::move(first));
-        const std::size_t firstOfFace = result.faces.size() - 1;
-        for (const LayerSample& sample : clusters.further) {
-            while (result.faces.size() <= firstOfFace + static_cast<std::size_t>(sample.layer)) {
-                DepthImage next = emptyFace(scan, frame, face, used);
-                next.name += "-" + std::to_string(result.faces.size() - firstOfFace + 1);
-                result.faces.push_back(std::move(next));
-            }
-            DepthImage& image = result.faces[firstOfFace + static_cast<std::size_t>(sample.layer)];
-            const int x = sample.x - x0, y = sample.y - y0;
-            image.disparity(x, y) = sample.disparity;
-            image.colour(x, y) = sample.colour;
-            image.flags(x, y) = scan.hasColour ? std::uint8_t{0} : std::uint8_t{kNoColour};
-        }
+        take(layersOf(scan, grid ? &*grid : nullptr, frame, face, camera, own, options, report));
     }
     report.dropped = report.points - report.held;
+    return report;
+}
+
+CubeFaces projectToCubeFaces(const Scan& scan, const CubeFaceOptions& options) {
+    CubeFaces result;
+    result.report = projectToCubeFaces(scan, options, [&](std::vector<DepthImage> layers) {
+        std::ranges::move(layers, std::back_inserter(result.faces));
+    });
     return result;
 }
 

@@ -6,6 +6,7 @@
 #include "scene/depth_image.h"
 #include "scene/scan.h"
 
+#include <functional>
 #include <vector>
 
 namespace scene {
@@ -26,11 +27,19 @@ struct CubeFaceReport {
     bool coarserThanScan = false;                     ///< that density was not allowed: pixels hold several points
 };
 
+/// Is given the images of one face, its further layers after the first.
+using TakeFace = std::function<void(std::vector<DepthImage>)>;
+
+/// One face after the other: those of a dense scan take as much memory together as the scan itself, or more. Images
+/// are named SCAN-front, -left, ...; layers get -2, -3, ...; faces without a point are left out.
+CubeFaceReport projectToCubeFaces(const Scan& scan, const CubeFaceOptions& options, const TakeFace& take);
+
 struct CubeFaces {
-    std::vector<DepthImage> faces; ///< names SCAN-front, -left, ...; empty faces are left out; layers get -2, -3, ...
+    std::vector<DepthImage> faces; ///< with their layers
     CubeFaceReport report;
 };
 
+/// All of them at once.
 CubeFaces projectToCubeFaces(const Scan& scan, const CubeFaceOptions& options = {});
 
 } // namespace scene
