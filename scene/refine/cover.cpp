@@ -331,6 +331,7 @@ class Growth {
             carver.shareOf = tree.sampled.empty() ? 1 : kEstimateShare;
             carver.grownBelow = tree.sampled;
             tree.nodes += Carving(carver).carve(tree.root, centre, region_.edge, 0, 0);
+            if (tree.isGivenUp()) tree.root = {}; // the largest of all: nobody asks for it any more
         }
     }
 

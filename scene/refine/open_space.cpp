@@ -18,6 +18,26 @@ constexpr int kFewAbout = 4;
 
 } // namespace
 
+inline OpenSpace::Span OpenSpace::Level::spanOf(int left, int top, int right, int bottom) const {
+    float nearest = 0, farthest = kNothing;
+    bool hasEdge = false;
+    for (int y = top; y <= bottom; ++y) {
+        const Span* row = &at(left, y);
+        for (int x = 0; x <= right - left; ++x) {
+            nearest = std::max(nearest, row[x].nearest);
+            farthest = std::min(farthest, row[x].farthest.disparity());
+            hasEdge |= row[x].farthest.hasEdge();
+        }
+    }
+    return {nearest, {farthest, hasEdge}};
+}
+
+std::size_t OpenSpace::Buffers::bytesOf(const Camera& camera, int margin) {
+    const auto samples =
+        static_cast<std::size_t>(camera.width + 2 * margin) * static_cast<std::size_t>(camera.height + 2 * margin);
+    return samples * (2 * sizeof(End) + sizeof(Span) + sizeof(Span) / 3);
+}
+
 OpenSpace::OpenSpace(const DepthImage& image, const Rim* rim, float tolerance, Buffers& buffers)
     : camera_(rim ? rim->widened() : image.camera), focal_(std::max(image.camera.fx, image.camera.fy)),
       tolerance_(tolerance), buffers_(buffers) {
@@ -29,7 +49,8 @@ OpenSpace::OpenSpace(const DepthImage& image, const Rim* rim, float tolerance, B
         of.width = halved(camera_.width), of.height = halved(camera_.height);
         of.spans.resize(static_cast<std::size_t>(of.width) * static_cast<std::size_t>(of.height));
     }
-    buffers_.before.resize(buffers_.levels[0].spans.size());
+    buffers_.ends.resize(buffers_.levels[0].spans.size());
+    buffers_.closed.resize(buffers_.levels[0].spans.size());
     takeEnds(image, rim);
     closeGaps();
     widenToPatches();
@@ -46,57 +67,57 @@ void OpenSpace::takeEnds(const DepthImage& image, const Rim* rim) {
         return end;
     };
     tbb::parallel_for(0, camera_.height, [&](int y) {
-        Span* row = buffers_.before.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(camera_.width);
+        End* row = buffers_.ends.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(camera_.width);
         for (int x = 0; x < camera_.width; ++x) {
             const RayEnd end = endOf(x - margin, y - margin);
-            row[x] = {end.disparity, end.disparity, end.isEdge};
+            row[x] = {end.disparity, end.isEdge};
         }
     });
 }
 
 void OpenSpace::closeGaps() {
-    const std::vector<Span>& raw = buffers_.before;
-    Level& closed = buffers_.levels[0];
-    tbb::parallel_for(0, closed.height, [&](int y) {
-        for (int x = 0; x < closed.width; ++x) {
+    const int width = camera_.width, height = camera_.height;
+    const auto indexOf = [&](int x, int y) {
+        return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
+    };
+    tbb::parallel_for(0, height, [&](int y) {
+        for (int x = 0; x < width; ++x) {
             int proving = 0;
             float nearest = 0;
-            for (int ny = std::max(y - 1, 0); ny <= std::min(y + 1, closed.height - 1); ++ny)
-                for (int nx = std::max(x - 1, 0); nx <= std::min(x + 1, closed.width - 1); ++nx) {
-                    const float end = raw[static_cast<std::size_t>(ny) * static_cast<std::size_t>(closed.width) +
-                                          static_cast<std::size_t>(nx)]
-                                          .nearest;
+            for (int ny = std::max(y - 1, 0); ny <= std::min(y + 1, height - 1); ++ny)
+                for (int nx = std::max(x - 1, 0); nx <= std::min(x + 1, width - 1); ++nx) {
+                    const float end = buffers_.ends[indexOf(nx, ny)].disparity();
                     if (!(end < kNothing)) continue;
                     ++proving;
                     nearest = std::max(nearest, end);
                 }
-            const std::size_t index =
-                static_cast<std::size_t>(y) * static_cast<std::size_t>(closed.width) + static_cast<std::size_t>(x);
-            Span span = raw[index];
-            const bool proves = span.nearest < kNothing;
-            if (!proves && proving >= kFewAbout) span = {nearest, nearest, true};
-            if (proves && proving < kFewAbout) span = {kNothing, kNothing, true};
-            closed.spans[index] = span;
+            End end = buffers_.ends[indexOf(x, y)];
+            const bool proves = end.disparity() < kNothing;
+            if (!proves && proving >= kFewAbout) end = {nearest, true};
+            if (proves && proving < kFewAbout) end = {kNothing, true};
+            buffers_.closed[indexOf(x, y)] = end;
         }
     });
 }
 
 void OpenSpace::widenToPatches() {
-    Level& closed = buffers_.levels[0];
-    std::vector<Span>& patches = buffers_.before;
-    const auto at = [&](int x, int y) -> const Span& { return closed.at(x, y); };
+    const int width = camera_.width, height = camera_.height;
+    const auto indexOf = [&](int x, int y) {
+        return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
+    };
+    const auto at = [&](int x, int y) { return buffers_.closed[indexOf(x, y)]; };
     // Between neighbours that a square without a silhouette joins, half of what lies between them is this sample's.
     const auto isJoined = [&](int x, int y, int alongX) {
-        if (x < 0 || y < 0 || x + alongX >= closed.width || y + 1 - alongX >= closed.height) return false;
+        if (x < 0 || y < 0 || x + alongX >= width || y + 1 - alongX >= height) return false;
         const int before = alongX == 1 ? y - 1 : x - 1;
-        return !at(x, y).hasEdge || (before >= 0 && !(alongX == 1 ? at(x, before) : at(before, y)).hasEdge);
+        return !at(x, y).hasEdge() || (before >= 0 && !(alongX == 1 ? at(x, before) : at(before, y)).hasEdge());
     };
-    tbb::parallel_for(0, closed.height, [&](int y) {
-        for (int x = 0; x < closed.width; ++x) {
-            Span& patch = patches[static_cast<std::size_t>(y) * static_cast<std::size_t>(closed.width) +
-                                  static_cast<std::size_t>(x)];
-            patch = at(x, y);
-            const float own = patch.nearest;
+    tbb::parallel_for(0, height, [&](int y) {
+        for (int x = 0; x < width; ++x) {
+            Span& patch = buffers_.levels[0].spans[indexOf(x, y)];
+            const End end = at(x, y);
+            const float own = end.disparity();
+            patch = {own, end};
             if (!(own < kNothing)) continue;
             float reach = 0;
             for (const int alongX : {0, 1}) {
@@ -104,15 +125,14 @@ void OpenSpace::widenToPatches() {
                 for (const int back : {0, 1}) {
                     const int px = x - back * alongX, py = y - back * (1 - alongX);
                     if (!isJoined(px, py, alongX)) continue;
-                    const float other = (back == 1 ? at(px, py) : at(x + alongX, y + 1 - alongX)).nearest;
+                    const float other = (back == 1 ? at(px, py) : at(x + alongX, y + 1 - alongX)).disparity();
                     if (other < kNothing) steps = std::max(steps, std::abs(other - own));
                 }
                 reach += steps / 2;
             }
-            patch.nearest = own + reach, patch.farthest = std::max(own - reach, 0.0f);
+            patch = {own + reach, {std::max(own - reach, 0.0f), end.hasEdge()}};
         }
     });
-    closed.spans.swap(patches);
 }
 
 void OpenSpace::buildPyramid() {
@@ -120,18 +140,11 @@ void OpenSpace::buildPyramid() {
         const Level& fine = buffers_.levels[level - 1];
         Level& coarse = buffers_.levels[level];
         tbb::parallel_for(0, coarse.height, [&](int y) {
-            for (int x = 0; x < coarse.width; ++x) {
-                Span span{0, kNothing, false};
-                for (int fy = 2 * y; fy < std::min(2 * y + 2, fine.height); ++fy)
-                    for (int fx = 2 * x; fx < std::min(2 * x + 2, fine.width); ++fx) {
-                        const Span& of = fine.at(fx, fy);
-                        span.nearest = std::max(span.nearest, of.nearest);
-                        span.farthest = std::min(span.farthest, of.farthest);
-                        span.hasEdge = span.hasEdge || of.hasEdge;
-                    }
+            for (int x = 0; x < coarse.width; ++x)
                 coarse.spans[static_cast<std::size_t>(y) * static_cast<std::size_t>(coarse.width) +
-                             static_cast<std::size_t>(x)] = span;
-            }
+                             static_cast<std::size_t>(x)] =
+                    fine.spanOf(2 * x, 2 * y, std::min(2 * x + 1, fine.width - 1),
+                                std::min(2 * y + 1, fine.height - 1));
         });
     }
 }
@@ -167,7 +180,8 @@ bool OpenSpace::holdsSample(const BoxInCamera& box) const {
 bool OpenSpace::holdsSampleBelow(const Rectangle& in, std::size_t level, int x, int y, float boxNear,
                                  float boxFar) const {
     const Span& span = buffers_.levels[level].at(x, y);
-    if (!(span.nearest > 0 && span.nearest >= boxFar && span.farthest <= boxNear)) return false; // none of it does
+    if (!(span.nearest > 0 && span.nearest >= boxFar && span.farthest.disparity() <= boxNear))
+        return false; // none of it does
     if (level == 0) return span.nearest < kNothing;
     const std::size_t finer = level - 1;
     for (int fy = std::max(2 * y, in.top >> finer); fy <= std::min(2 * y + 1, in.bottom >> finer); ++fy)
@@ -200,16 +214,9 @@ BoxSight OpenSpace::look(const BoxInCamera& box) const {
     const Level& pyramid = buffers_.levels[level];
     const auto boxNear = static_cast<float>(overNear), boxFar = static_cast<float>(overFar);
     BoxSight sight;
-    Span span{0, kNothing, !in.isWhole};
-    for (int y = in.top >> level; y <= in.bottom >> level; ++y)
-        for (int x = in.left >> level; x <= in.right >> level; ++x) {
-            const Span& of = pyramid.at(x, y);
-            span.nearest = std::max(span.nearest, of.nearest);
-            span.farthest = std::min(span.farthest, of.farthest);
-            span.hasEdge = span.hasEdge || of.hasEdge;
-        }
-    sight.hasEdge = span.hasEdge;
-    if (boxNear < span.farthest * (1 - tolerance_))
+    const Span span = pyramid.spanOf(in.left >> level, in.top >> level, in.right >> level, in.bottom >> level);
+    sight.hasEdge = !in.isWhole || span.farthest.hasEdge();
+    if (boxNear < span.farthest.disparity() * (1 - tolerance_))
         sight.sight = Sight::none;
     else if (in.isWhole && boxFar > span.nearest)
         sight.sight = Sight::all;

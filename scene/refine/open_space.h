@@ -9,6 +9,7 @@
 
 #include "scene/refine/rim.h"
 
+#include <cmath>
 #include <vector>
 
 #include <glm/vec3.hpp>
@@ -30,9 +31,21 @@ struct BoxSight {
 /// A ray is open up to its sample's surface, without end at disparity 0 (sky), up to a guess of range; where no range
 /// was measured and none guessed, or others saw through the sample, it proves nothing.
 class OpenSpace {
+    /// A disparity, infinite where nothing is proved, and whether an edge is seen there. None is negative: the sign
+    /// says the other.
+    class End {
+      public:
+        End() = default;
+        End(float disparity, bool hasEdge) : kept_(hasEdge ? -disparity : disparity) {}
+        float disparity() const { return std::abs(kept_); }
+        bool hasEdge() const { return std::signbit(kept_); }
+
+      private:
+        float kept_ = 0;
+    };
     struct Span {
-        float nearest, farthest; ///< disparities: most and least of the open ends; infinite where nothing is proved
-        bool hasEdge;
+        float nearest; ///< disparity: most of the open ends
+        End farthest;  ///< least of them; whether any has an edge
     };
     struct Level {
         int width = 0, height = 0;
@@ -40,14 +53,20 @@ class OpenSpace {
         const Span& at(int x, int y) const {
             return spans[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)];
         }
+        Span spanOf(int left, int top, int right, int bottom) const; ///< of all these; the last are among them
     };
 
   public:
-    /// Memory that one image after another uses: 28 bytes for each sample, those of a rim included.
+    /// Memory that one image after another uses.
     class Buffers {
+      public:
+        /// For an image that a rim of so many samples widens to each side.
+        static std::size_t bytesOf(const Camera& camera, int margin);
+
+      private:
         friend class OpenSpace;
-        std::vector<Level> levels; ///< finest first
-        std::vector<Span> before;  ///< of the finest, what the step before has left
+        std::vector<Level> levels;     ///< finest first
+        std::vector<End> ends, closed; ///< of samples, as they are and with gaps closed
     };
 
     /// rim: null, or what the other faces of the image's scan saw past its borders, so that no border runs through
