@@ -10,8 +10,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include <tbb/parallel_for.h>
-
 namespace app {
 
 namespace {
@@ -74,7 +72,7 @@ json evenImages(ImportedImages& imported, const Overlaps& overlaps, const BuildO
         scene::ImageStore images(imported.images, options.memoryBytes / 2);
         const scene::ColourEvening evening =
             scene::evenColours(images, overlaps.partners, o, [&] { progress.advance(); });
-        tbb::parallel_for(std::size_t{0}, imported.images.size(), [&](std::size_t i) {
+        scene::visitEach(images, 2, [&](std::size_t i) {
             if (evening.factors[i] != glm::dvec3(1)) {
                 scene::DepthImage image = *images.borrow(i);
                 applyFactors(image.colour, evening.factors[i]);

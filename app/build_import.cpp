@@ -56,8 +56,9 @@ std::string keyOfScan(const scene::ScanSource& scan, const ScanPhotographs& phot
                   {faces.maxFaceSize, faces.sameSurface, faces.maxLayers}});
 }
 
-/// A scan's faces with their further layers, some thirty images of 8 bytes a pixel, and what they are made by, stay
-/// within the memory that may be taken; always as large as they may be anywhere.
+/// A face that is made and the one that is written meanwhile, each with its further layers, and the scan itself stay
+/// within the memory that may be taken, and the stages after this find room for an image and what they make of it. As
+/// large as kAlways whatever that is.
 scene::CubeFaceOptions within(scene::CubeFaceOptions faces, std::uint64_t memoryBytes) {
     constexpr double kBytesPerPixel = 400;
     constexpr int kAlways = 4096;

@@ -5,9 +5,8 @@
 
 #include "scene/depth_tiff.h"
 #include "scene/errors.h"
+#include "scene/refine/open_spaces.h"
 #include "scene/scene_file.h"
-
-#include <tbb/parallel_for.h>
 
 namespace app {
 
@@ -45,7 +44,7 @@ Overlaps findOverlaps(const ImportedImages& imported, const BuildOptions& option
     scene::ImageStore images = openImages(imported.images, options);
     std::vector<scene::ImageOutline> outlines(images.size());
     Progress progress("overlaps", images.size());
-    tbb::parallel_for(std::size_t{0}, images.size(), [&](std::size_t i) {
+    scene::visitEach(images, 1, [&](std::size_t i) {
         outlines[i] = scene::outlineOf(*images.borrow(i));
         progress.advance();
     });
@@ -67,7 +66,7 @@ SkinStage markSkins(const ImportedImages& imported, const Overlaps& overlaps, co
     stage.images = imported.images;
     std::vector<scene::SkinFigures> figures(images.size());
     Progress progress("skins", images.size());
-    tbb::parallel_for(std::size_t{0}, images.size(), [&](std::size_t i) {
+    scene::visitEach(images, 4, [&](std::size_t i) { // the image, a partner, what is marked and what is asked
         const std::string name = imported.images[i].name;
         const std::filesystem::path flagsFile = folder / (name + ".flags.tiff"),
                                     figuresFile = folder / (name + ".json");
@@ -147,7 +146,7 @@ TileStage fuseAndCut(const ImportedImages& imported, const Overlaps& overlaps, c
         stage.flags.push_back(folder / (image.name + ".flags.tiff"));
     }
     Progress progress("fusion", images.size());
-    tbb::parallel_for(std::size_t{0}, images.size(), [&](std::size_t i) {
+    scene::visitEach(images, 8, [&](std::size_t i) { // the image, a partner, the means, and tiles of all levels
         // The block is written last: where it is, the flags are too.
         if (!isThere(stage.blocks[i])) {
             const scene::DepthImage fused =
@@ -168,7 +167,8 @@ CoverageStage coverSpace(const SkinStage& skins, const BuildOptions& options, St
         {kCoverageVersion, skins.key, o.cellsPerSample, o.surfaceSamples, o.nearestMetres, o.tolerance, o.maxNodes});
     Progress progress("coverage", 3 * skins.images.size());
     const std::filesystem::path folder = store.find("coverage", key, [&](const std::filesystem::path& part) {
-        scene::ImageStore images = openImages(skins.images, options);
+        const std::uint64_t half = options.memoryBytes / 2, beside = scene::OpenSpaces::bytesBeside(skins.images);
+        scene::ImageStore images(skins.images, std::max(half - std::min(half, beside), half / 4));
         scene::CoverFigures f;
         writeCoverage(scene::cover(images, o, f, [&] { progress.advance(); }), part / scene::kCoverageFile);
         writeWhole(part / "figures.json", json{f.nodes, f.cellsPerSample, f.finestMetres, f.unseenCubicMetres,

@@ -9,8 +9,6 @@
 #include <algorithm>
 #include <set>
 
-#include <tbb/parallel_for.h>
-
 namespace app {
 
 namespace {
@@ -19,15 +17,6 @@ using nlohmann::json;
 
 constexpr int kSilhouetteVersion = 2;
 
-/// How many images may be worked on at a time, each with as many partners, if all are as large as the largest.
-std::size_t groupsWithin(std::size_t bytes, const std::vector<scene::StoredImage>& images, int partners) {
-    std::size_t largest = 1;
-    for (const scene::StoredImage& image : images)
-        largest = std::max(largest, bytesOf(image.camera));
-    constexpr std::size_t kOwn = 6; // the image, the new one, and what is found on the way
-    return std::max(bytes / ((static_cast<std::size_t>(partners) + kOwn) * largest), std::size_t{1});
-}
-
 /// Lays silhouettes anew, round after round; the images as they are after the last go into `part`. Returns what
 /// changed, summed over the rounds.
 std::vector<scene::SilhouetteFigures> settle(const std::vector<scene::StoredImage>& imported, const Overlaps& overlaps,
@@ -35,7 +24,8 @@ std::vector<scene::SilhouetteFigures> settle(const std::vector<scene::StoredImag
     const scene::SilhouetteOptions& o = options.silhouettes;
     std::vector<scene::SilhouetteFigures> figures(imported.size());
     std::vector<scene::StoredImage> before = imported;
-    const std::size_t together = groupsWithin(options.memoryBytes / 2, imported, o.maxPartners);
+    // An image and those it asks are held together, with the new one and what is found on the way.
+    const std::size_t imagesEach = static_cast<std::size_t>(o.maxPartners) + 6;
     Progress progress("silhouettes", static_cast<std::size_t>(o.rounds) * imported.size());
     for (int round = 0; round < o.rounds; ++round) {
         // Each round reads what the one before wrote, so none writes over it.
@@ -43,7 +33,6 @@ std::vector<scene::SilhouetteFigures> settle(const std::vector<scene::StoredImag
         std::filesystem::create_directories(folder);
         std::vector<scene::StoredImage> after = before;
         scene::ImageStore images(before, options.memoryBytes / 2);
-        // An image and those it asks are held together, and more than one such group only as far as memory allows.
         const auto settleOne = [&](std::size_t i) {
             scene::SilhouetteFigures f;
             const scene::DepthImage settled = scene::settleSilhouettes(images, i, overlaps.partners[i], o, f);
@@ -54,8 +43,7 @@ std::vector<scene::SilhouetteFigures> settle(const std::vector<scene::StoredImag
             figures[i].contested = f.contested, figures[i].moved += f.moved, figures[i].guessed += f.guessed;
             progress.advance();
         };
-        for (std::size_t first = 0; first < images.size(); first += together)
-            tbb::parallel_for(first, std::min(first + together, images.size()), settleOne);
+        visitEach(images, imagesEach, settleOne);
         before = std::move(after);
     }
     std::error_code ignored;

@@ -4,7 +4,12 @@
 #include "scene/errors.h"
 
 #include <algorithm>
+#include <atomic>
 #include <limits>
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 
 namespace scene {
 
@@ -97,6 +102,26 @@ DepthImage ImageStore::evictFor(const Camera& camera) {
         oldest->state = State::absent;
     }
     return spare;
+}
+
+void visitEach(const ImageStore& images, std::size_t imagesEach, const std::function<void(std::size_t)>& visit) {
+    std::size_t largest = 1;
+    for (std::size_t i = 0; i < images.size(); ++i)
+        largest = std::max(largest, bytesOf(images.at(i).camera));
+    const auto threads = static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
+    const std::size_t together = std::clamp<std::size_t>(images.budgetBytes() / largest / imagesEach, 1, threads);
+    std::atomic<std::size_t> next = 0;
+    const auto visitSome = [&](const tbb::blocked_range<std::size_t>&) {
+        try {
+            for (std::size_t i = next++; i < images.size(); i = next++)
+                visit(i);
+        } catch (...) {
+            next = images.size(); // the others end with what they are at
+            throw;
+        }
+    };
+    // A thread that waits within a visit may begin another, but no more of them than this.
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, together, 1), visitSome, tbb::simple_partitioner());
 }
 
 } // namespace scene

@@ -5,6 +5,7 @@
 
 #include <condition_variable>
 #include <filesystem>
+#include <functional>
 #include <mutex>
 #include <utility>
 #include <vector>
@@ -79,5 +80,9 @@ class ImageStore::Lease {
     std::size_t index_;
     const DepthImage* image_;
 };
+
+/// Calls visit once for each of the store's images, by number, from as many threads at a time as the store's budget has
+/// room for what each makes and borrows: imagesEach times the bytes of the largest image. From one at least.
+void visitEach(const ImageStore& images, std::size_t imagesEach, const std::function<void(std::size_t)>& visit);
 
 } // namespace scene

@@ -408,7 +408,7 @@ class FinestThatFits {
 Coverage cover(ImageStore& images, const CoverOptions& options, CoverFigures& figures,
                const std::function<void()>& advance) {
     std::vector<Box> boxes(images.size());
-    tbb::parallel_for(std::size_t{0}, images.size(), [&](std::size_t i) { boxes[i] = boxOf(*images.borrow(i)); });
+    visitEach(images, 2, [&](std::size_t i) { boxes[i] = boxOf(*images.borrow(i)); });
     Box all;
     for (const Box& box : boxes)
         if (!box.isEmpty()) all.include(box.least), all.include(box.most);

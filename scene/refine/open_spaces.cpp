@@ -9,7 +9,7 @@ namespace scene {
 
 namespace {
 
-constexpr std::size_t kRimsShare = 4; ///< of the store's budget: one part in so many
+constexpr std::size_t kRimsShare = 2; ///< of the store's budget: one part in so many
 
 /// Far apart, and always the same.
 std::vector<std::size_t> spreadOrder(std::size_t count) {
@@ -42,6 +42,13 @@ OpenSpaces::OpenSpaces(ImageStore& images, float tolerance) : images_(images), t
     }
     for (const std::size_t i : spreadOrder(places.size()))
         places_.push_back(std::move(places[i]));
+}
+
+std::size_t OpenSpaces::bytesBeside(std::span<const StoredImage> images) {
+    std::size_t most = 0;
+    for (const StoredImage& image : images)
+        most = std::max(most, OpenSpace::Buffers::bytesOf(image.camera, Rim::marginOf(image.camera)));
+    return most;
 }
 
 void OpenSpaces::forEach(const Visit& visit) {

@@ -6,6 +6,7 @@
 
 #include <functional>
 #include <optional>
+#include <span>
 #include <vector>
 
 namespace scene {
@@ -20,9 +21,12 @@ class OpenSpaces {
     /// Both are valid until it returns. False: no further image is wanted.
     using Visit = std::function<bool(const DepthImage&, const OpenSpace&)>;
     /// Always in the same order, in which places that are neighbours in the capture, which see the same, come far
-    /// apart. One image is held at a time; beside the store's budget there are rims of no more than a quarter of it, or
+    /// apart. One image is held at a time; beside the store's budget there are rims of no more than half of it, or
     /// one, and the buffers of one open space.
     void forEach(const Visit& visit);
+
+    /// Bytes that the buffers take for the largest of these.
+    static std::size_t bytesBeside(std::span<const StoredImage> images);
 
   private:
     /// One direction from a place; images: by number.

@@ -12,12 +12,8 @@ namespace {
 
 constexpr int kMarginShare = 8; ///< of the face's width that it is continued by: one part in so many
 
-int marginOf(const Camera& face) {
-    return std::max(face.width / kMarginShare, 2);
-}
-
 std::size_t samplesOf(const Camera& face) {
-    const auto margin = static_cast<std::size_t>(marginOf(face)), width = static_cast<std::size_t>(face.width),
+    const auto margin = static_cast<std::size_t>(Rim::marginOf(face)), width = static_cast<std::size_t>(face.width),
                height = static_cast<std::size_t>(face.height);
     return 2 * margin * (width + height + 2 * margin);
 }
@@ -33,6 +29,10 @@ RayEnd rayEndOf(const DepthImage& image, int x, int y) {
                      !isSurface(image.flags(right, y)) || !isSurface(image.flags(x, below)) ||
                      !isSurface(image.flags(right, below));
     return end;
+}
+
+int Rim::marginOf(const Camera& face) {
+    return std::max(face.width / kMarginShare, 2);
 }
 
 Rim::Rim(const Camera& face, const glm::dmat3& worldFromFace)

@@ -43,6 +43,8 @@ class Rim {
     /// The face's with the margin.
     const Camera& widened() const { return widened_; }
     int margin() const { return margin_; }
+    /// Samples by which a face is widened to each side.
+    static int marginOf(const Camera& face);
     /// Of a sample of the widened camera that is outside the face.
     RayEnd at(int x, int y) const;
     /// Of memory, for one of that face.

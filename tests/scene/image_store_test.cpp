@@ -11,6 +11,8 @@
 #include <thread>
 
 #include <gtest/gtest.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 
 namespace scene {
 namespace {
@@ -181,6 +183,43 @@ TEST(GivenImages, AreLentAsTheyAre) {
     const ImageStore::Lease taken(std::move(*lease));
     lease.reset();
     EXPECT_EQ(taken->colour(0, 0).r, 0);
+}
+
+/// How many visits were under way at once, at most; each image must be visited once. Within each visit threads wait, so
+/// that they might begin others.
+int mostAtOnce(const ImageStore& images, std::size_t imagesEach) {
+    std::vector<std::atomic<int>> visits(images.size());
+    std::atomic<int> now = 0, most = 0;
+    tbb::task_arena(4).execute([&] {
+        visitEach(images, imagesEach, [&](std::size_t i) {
+            const int here = ++now;
+            for (int seen = most; seen < here && !most.compare_exchange_weak(seen, here);) {
+            }
+            tbb::parallel_for(0, 100, [&](int k) { visits[i] += k == 50; });
+            --now;
+        });
+    });
+    for (const std::atomic<int>& count : visits)
+        EXPECT_EQ(count, 1);
+    return most;
+}
+
+TEST_F(StoredImages, AreVisitedOnceEachByNoMoreAtATimeThanFit) {
+    EXPECT_EQ(mostAtOnce(ImageStore(store(50), 5 * bytesOf(kCamera)), 3), 1);
+    EXPECT_LE(mostAtOnce(ImageStore(store(50), 6 * bytesOf(kCamera)), 3), 2);
+    EXPECT_EQ(mostAtOnce(ImageStore(store(50), 0), 1), 1) << "one, however little room there is";
+    EXPECT_EQ(mostAtOnce(ImageStore(std::vector<StoredImage>(), 1), 1), 0);
+}
+
+TEST_F(StoredImages, AreNotVisitedAnyFurtherOnceAVisitFailed) {
+    std::size_t visits = 0;
+    const auto visit = [&](std::size_t i) {
+        ++visits;
+        if (i == 3) throw Failure("is none", std::string("image"), "leave it");
+    };
+    // One at a time: which others were under way would be chance.
+    EXPECT_THROW(visitEach(ImageStore(store(10), bytesOf(kCamera)), 1, visit), Failure);
+    EXPECT_EQ(visits, 4u);
 }
 
 } // namespace
