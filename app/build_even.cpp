@@ -72,7 +72,7 @@ json evenImages(ImportedImages& imported, const Overlaps& overlaps, const BuildO
         scene::ImageStore images(imported.images, options.memoryBytes / 2);
         const scene::ColourEvening evening =
             scene::evenColours(images, overlaps.partners, o, [&] { progress.advance(); });
-        scene::visitEach(images, 2, [&](std::size_t i) {
+        scene::visitEach(images, 2, [&](std::size_t i) { // one that is lent, and its copy
             if (evening.factors[i] != glm::dvec3(1)) {
                 scene::DepthImage image = *images.borrow(i);
                 applyFactors(image.colour, evening.factors[i]);

@@ -7,14 +7,16 @@
 #include "scene/align/scanner_records.h"
 #include "scene/depth_tiff.h"
 #include "scene/errors.h"
+#include "scene/image_store.h"
 #include "scene/import/e57.h"
 #include "scene/import/photo.h"
 #include "scene/import/ptx.h"
 
 #include <algorithm>
 #include <cmath>
+#include <exception>
 
-#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 #include <tbb/task_group.h>
 
 namespace app {
@@ -57,8 +59,7 @@ std::string keyOfScan(const scene::ScanSource& scan, const ScanPhotographs& phot
 }
 
 /// A face that is made and the one that is written meanwhile, each with its further layers, and the scan itself stay
-/// within the memory that may be taken, and the stages after this find room for an image and what they make of it. As
-/// large as kAlways whatever that is.
+/// within the memory that may be taken. As large as kAlways whatever that is.
 scene::CubeFaceOptions within(scene::CubeFaceOptions faces, std::uint64_t memoryBytes) {
     constexpr double kBytesPerPixel = 400;
     constexpr int kAlways = 4096;
@@ -74,7 +75,8 @@ void writeFaces(const scene::ScanSource& source, const ScanPhotographs& photogra
     const scene::Scan scan = readScan(source);
     json names = json::array();
     std::vector<scene::DepthImage> finished; // one face's images, which are written while the next are made
-    const auto write = [&] {
+    std::exception_ptr failure;              // of writing; kept, since two at a time would end the program
+    const auto writeFinished = [&] {
         for (scene::DepthImage& face : finished) {
             if (!scan.hasColour && !photographs.images.empty()) {
                 SampleColours colours(face);
@@ -86,16 +88,27 @@ void writeFaces(const scene::ScanSource& source, const ScanPhotographs& photogra
         }
         finished.clear();
     };
+    const auto write = [&] {
+        try {
+            writeFinished();
+        } catch (...) {
+            failure = std::current_exception();
+        }
+    };
     tbb::task_group writing;
+    const auto waitForIt = [&] {
+        writing.wait();
+        if (failure) std::rethrow_exception(failure);
+    };
     const scene::CubeFaceReport report =
         scene::projectToCubeFaces(scan, options, [&](std::vector<scene::DepthImage> layers) {
             for (const scene::DepthImage& face : layers)
                 names.push_back(face.name);
-            writing.wait();
+            waitForIt();
             finished = std::move(layers);
             writing.run(write);
         });
-    writing.wait();
+    waitForIt();
     const glm::dvec3 up = scan.worldFromScanner.rotation[2];
     writeWhole(folder / "points.json", json{{"faces", names},
                                             {"points", report.points},
@@ -158,7 +171,8 @@ ImportedImages importImages(scene::Capture& capture, const std::vector<std::size
     std::vector<std::string> keys(taken.size());
     std::vector<scene::StoredImage> photos(taken.size());
     Progress progress("import", taken.size() + capture.scans.size());
-    tbb::parallel_for(std::size_t{0}, taken.size(), [&](std::size_t i) {
+    const auto threads = static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
+    scene::visitEach(taken.size(), threads, [&](std::size_t i) {
         const scene::PhotoSource& photo = capture.photos[taken[i]];
         keys[i] = keyOfPhoto(photo, options);
         const std::filesystem::path folder = store.find("photo", keys[i], [&](const std::filesystem::path& part) {

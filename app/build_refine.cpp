@@ -25,6 +25,13 @@ scene::ImageStore openImages(const std::vector<scene::StoredImage>& images, cons
     return {images, options.memoryBytes / 2};
 }
 
+/// Half for pixels and for what the one at hand becomes: of large images and little memory that is more, since pixels
+/// keep an eighth of the whole.
+scene::ImageStore openImagesToCover(const std::vector<scene::StoredImage>& images, const BuildOptions& options) {
+    const std::uint64_t half = options.memoryBytes / 2, buffers = scene::OpenSpaces::bytesOfBuffers(images);
+    return {images, std::max(half - std::min(half, buffers), half / 4)};
+}
+
 bool isThere(const std::filesystem::path& path) {
     std::error_code ignored;
     return std::filesystem::exists(path, ignored);
@@ -167,8 +174,7 @@ CoverageStage coverSpace(const SkinStage& skins, const BuildOptions& options, St
         {kCoverageVersion, skins.key, o.cellsPerSample, o.surfaceSamples, o.nearestMetres, o.tolerance, o.maxNodes});
     Progress progress("coverage", 3 * skins.images.size());
     const std::filesystem::path folder = store.find("coverage", key, [&](const std::filesystem::path& part) {
-        const std::uint64_t half = options.memoryBytes / 2, beside = scene::OpenSpaces::bytesBeside(skins.images);
-        scene::ImageStore images(skins.images, std::max(half - std::min(half, beside), half / 4));
+        scene::ImageStore images = openImagesToCover(skins.images, options);
         scene::CoverFigures f;
         writeCoverage(scene::cover(images, o, f, [&] { progress.advance(); }), part / scene::kCoverageFile);
         writeWhole(part / "figures.json", json{f.nodes, f.cellsPerSample, f.finestMetres, f.unseenCubicMetres,

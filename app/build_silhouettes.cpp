@@ -6,7 +6,6 @@
 #include "scene/depth_tiff.h"
 #include "scene/refine/silhouettes.h"
 
-#include <algorithm>
 #include <set>
 
 namespace app {
@@ -43,7 +42,7 @@ std::vector<scene::SilhouetteFigures> settle(const std::vector<scene::StoredImag
             figures[i].contested = f.contested, figures[i].moved += f.moved, figures[i].guessed += f.guessed;
             progress.advance();
         };
-        visitEach(images, imagesEach, settleOne);
+        scene::visitEach(images, imagesEach, settleOne);
         before = std::move(after);
     }
     std::error_code ignored;

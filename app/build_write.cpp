@@ -137,12 +137,14 @@ void carryWalkersFiles(const std::filesystem::path& from, const std::filesystem:
     }
 }
 
-void writeImages(const std::filesystem::path& folder, const ImportedImages& imported, const TileStage& tiles) {
+void writeImages(const std::filesystem::path& folder, const ImportedImages& imported, const TileStage& tiles,
+                 const BuildOptions& options) {
     std::error_code error;
     std::filesystem::create_directories(folder, error);
     if (error) throw scene::Failure("cannot be made (" + error.message() + ")", folder, scene::kWriteRemedy);
     Progress progress("images", imported.images.size());
-    tbb::parallel_for(std::size_t{0}, imported.images.size(), [&](std::size_t i) {
+    const scene::ImageStore images(imported.images, options.memoryBytes / 2); // lends none: says how many have room
+    scene::visitEach(images, 1, [&](std::size_t i) {
         scene::DepthImage image = scene::readDepthTiff(imported.images[i].file);
         image.name = imported.images[i].name;
         image.flags = scene::readFlagsTiff(tiles.flags[i], image.camera);
@@ -187,7 +189,7 @@ void writeScene(const std::filesystem::path& output, const scene::Capture& captu
     std::error_code ignored;
     std::filesystem::remove_all(part, ignored);
     try {
-        writeImages(part / "images", imported, tiles);
+        writeImages(part / "images", imported, tiles, options);
         writeHeldOut(part / scene::kHeldOutFolder, capture, heldOut, heldOutOfScans);
         std::int64_t tileCount = 0, coarser = 0, quads = 0, points = 0, unmeasured = 0, facets = 0;
         const auto tilesOf = [&](std::size_t i) {

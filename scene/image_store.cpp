@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cassert>
+#include <exception>
 #include <limits>
 
 #include <tbb/blocked_range.h>
@@ -104,24 +106,35 @@ DepthImage ImageStore::evictFor(const Camera& camera) {
     return spare;
 }
 
+void visitEach(std::size_t count, std::size_t together, const std::function<void(std::size_t)>& visit) {
+    std::atomic<std::size_t> next = 0;
+    std::atomic<bool> hasFailed = false;
+    std::exception_ptr failure;
+    const auto visitSome = [&](const tbb::blocked_range<std::size_t>&) {
+        for (std::size_t i = next++; i < count; i = next++) {
+            try {
+                // Isolated: a thread that waits within a visit would begin another.
+                tbb::this_task_arena::isolate([&] { visit(i); });
+            } catch (...) {
+                // Of an exception that reached it oneTBB would cancel what the other visits do in parallel, too, and
+                // they would go on as if it were done.
+                if (!hasFailed.exchange(true)) failure = std::current_exception();
+                next = count;
+            }
+        }
+    };
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, std::max<std::size_t>(together, 1), 1), visitSome,
+                      tbb::simple_partitioner());
+    if (failure) std::rethrow_exception(failure);
+}
+
 void visitEach(const ImageStore& images, std::size_t imagesEach, const std::function<void(std::size_t)>& visit) {
+    assert(imagesEach > 0);
     std::size_t largest = 1;
     for (std::size_t i = 0; i < images.size(); ++i)
         largest = std::max(largest, bytesOf(images.at(i).camera));
     const auto threads = static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
-    const std::size_t together = std::clamp<std::size_t>(images.budgetBytes() / largest / imagesEach, 1, threads);
-    std::atomic<std::size_t> next = 0;
-    const auto visitSome = [&](const tbb::blocked_range<std::size_t>&) {
-        try {
-            for (std::size_t i = next++; i < images.size(); i = next++)
-                visit(i);
-        } catch (...) {
-            next = images.size(); // the others end with what they are at
-            throw;
-        }
-    };
-    // A thread that waits within a visit may begin another, but no more of them than this.
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, together, 1), visitSome, tbb::simple_partitioner());
+    visitEach(images.size(), std::min(images.budgetBytes() / largest / imagesEach, threads), visit);
 }
 
 } // namespace scene

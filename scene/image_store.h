@@ -81,8 +81,13 @@ class ImageStore::Lease {
     const DepthImage* image_;
 };
 
-/// Calls visit once for each of the store's images, by number, from as many threads at a time as the store's budget has
-/// room for what each makes and borrows: imagesEach times the bytes of the largest image. From one at least.
+/// Calls visit once for each number below count, from no more than so many threads at a time. If a visit throws, no
+/// other is begun, those under way are finished, whole, whatever they do in parallel themselves, and then the first
+/// exception is thrown on: where visits leave results behind that others take for granted, none is ever half of one.
+void visitEach(std::size_t count, std::size_t together, const std::function<void(std::size_t)>& visit);
+
+/// The same for each of the store's images, from as many threads at a time as its budget has room for what each makes
+/// and borrows: imagesEach, at least 1, times the bytes of the largest image. From one at least.
 void visitEach(const ImageStore& images, std::size_t imagesEach, const std::function<void(std::size_t)>& visit);
 
 } // namespace scene

@@ -74,7 +74,7 @@ struct Sightings {
 };
 
 /// The distance of a record's place from its patch, in deviations.
-struct OffPatch {
+struct DistanceOffPatch {
     ScannerRecord record;
     double weight;
 
@@ -91,11 +91,12 @@ struct OffPatch {
 
 /// All that is known of a patch: its records' distances, robustly, and last how far it stands off its plane, all in
 /// deviations. Of the constants, the plane's reciprocal and the patch's own offset. One block for hundreds of records
-/// costs the solver a quarter of what a block for each does. Robust they are made here, a loss being one for a block: a
-/// distance r is said to be the root of what Cauchy's loss makes of it, so that its square is that loss.
-class OfPatch : public ceres::CostFunction {
+/// costs the solver far less than a block for each. Robust they are made here, a loss being one for a block: a
+/// distance r is said to be the root of what Cauchy's loss makes of it, so that its square is that loss. What is
+/// sought is the same as with Cauchy's loss of each; steps towards it weigh outliers less.
+class PatchResiduals : public ceres::CostFunction {
   public:
-    OfPatch(std::vector<OffPatch> distances, double usualWeight)
+    PatchResiduals(std::vector<DistanceOffPatch> distances, double usualWeight)
         : distances_(std::move(distances)), usualWeight_(usualWeight) {
         *mutable_parameter_block_sizes() = {kConstants, 3, 1};
         set_num_residuals(static_cast<int>(distances_.size()) + 1);
@@ -155,7 +156,7 @@ class OfPatch : public ceres::CostFunction {
         }
     }
 
-    std::vector<OffPatch> distances_;
+    std::vector<DistanceOffPatch> distances_;
     double usualWeight_;
 };
 
@@ -163,7 +164,7 @@ double distanceOf(const ScannerConstants<double>& constants, const FacedPlane& p
     const Numbers c = numbersOf(constants);
     const double off = 0;
     double distance = 0;
-    OffPatch{record, 1}(c.data(), plane.reciprocal.data(), &off, &distance);
+    DistanceOffPatch{record, 1}(c.data(), plane.reciprocal.data(), &off, &distance);
     return distance;
 }
 
@@ -332,7 +333,7 @@ void adjust(Sightings& sightings, Numbers& constants) {
         problem.AddParameterBlock(plane.reciprocal.data(), 3);
         order->AddElementToGroup(plane.reciprocal.data(), 1);
     }
-    std::vector<std::vector<OffPatch>> distances(sightings.patches.size());
+    std::vector<std::vector<DistanceOffPatch>> distances(sightings.patches.size());
     for (const Taken& taken : sightings.taken)
         distances[taken.patch].push_back(
             {taken.record, 1 / sightings.planes[sightings.patches[taken.patch].plane].noiseMetres});
@@ -341,7 +342,7 @@ void adjust(Sightings& sightings, Numbers& constants) {
         FacedPlane& plane = sightings.planes[patch.plane];
         problem.AddParameterBlock(&patch.offMetres, 1);
         order->AddElementToGroup(&patch.offMetres, 0);
-        problem.AddResidualBlock(new OfPatch(std::move(distances[i]), 1 / plane.unevenMetres), nullptr,
+        problem.AddResidualBlock(new PatchResiduals(std::move(distances[i]), 1 / plane.unevenMetres), nullptr,
                                  constants.data(), plane.reciprocal.data(), &patch.offMetres);
     }
     ceres::Solver::Options options;
@@ -380,7 +381,7 @@ Numbers deviationsOf(const Sightings& sightings, const Numbers& constants) {
             w[static_cast<std::size_t>(i)] = Jet(plane.reciprocal[static_cast<std::size_t>(i)], kConstants + i);
         const Jet off(patch.offMetres, kNumbers);
         Jet residual;
-        OffPatch{taken.record, 1 / plane.noiseMetres}(c.data(), w.data(), &off, &residual);
+        DistanceOffPatch{taken.record, 1 / plane.noiseMetres}(c.data(), w.data(), &off, &residual);
         const double loss = 1 / (1 + residual.a * residual.a / (kRobustDeviations * kRobustDeviations));
         const Row slope = residual.v.head<kNumbers>();
         const double ownSlope = residual.v[kNumbers];

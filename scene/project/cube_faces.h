@@ -30,8 +30,9 @@ struct CubeFaceReport {
 /// Is given the images of one face, its further layers after the first.
 using TakeFace = std::function<void(std::vector<DepthImage>)>;
 
-/// One face after the other: those of a dense scan take as much memory together as the scan itself, or more. Images
-/// are named SCAN-front, -left, ...; layers get -2, -3, ...; faces without a point are left out.
+/// One face after the other, in the calling thread, none of which is held once it is taken: those of a dense scan take
+/// as much memory together as the scan itself, or more. Images are named SCAN-front, -left, ...; layers get -2, -3,
+/// ...; faces without a point are left out.
 CubeFaceReport projectToCubeFaces(const Scan& scan, const CubeFaceOptions& options, const TakeFace& take);
 
 struct CubeFaces {

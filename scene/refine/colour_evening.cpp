@@ -9,7 +9,6 @@
 #include <optional>
 
 #include <Eigen/SparseCholesky>
-#include <tbb/parallel_for.h>
 
 namespace scene {
 
@@ -110,7 +109,7 @@ double seamOf(const std::vector<Ratio>& ratios, const std::vector<glm::dvec3>& f
 ColourEvening evenColours(ImageStore& images, const std::vector<std::vector<Partner>>& partners,
                           const ColourEveningOptions& options, const std::function<void()>& onImage) {
     std::vector<std::vector<Ratio>> ratiosOf(images.size());
-    visitEach(images, 3, [&](std::size_t i) {
+    visitEach(images, 2, [&](std::size_t i) { // the image and a partner
         const ImageStore::Lease image = images.borrow(i);
         const std::size_t asked = std::min(partners[i].size(), static_cast<std::size_t>(options.maxPartners));
         for (std::size_t k = 0; k < asked; ++k) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <cassert>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -331,7 +332,7 @@ class Growth {
             carver.shareOf = tree.sampled.empty() ? 1 : kEstimateShare;
             carver.grownBelow = tree.sampled;
             tree.nodes += Carving(carver).carve(tree.root, centre, region_.edge, 0, 0);
-            if (tree.isGivenUp()) tree.root = {}; // the largest of all: nobody asks for it any more
+            if (tree.isGivenUp()) tree.root = {}; // nobody asks for it any more
         }
     }
 
@@ -358,7 +359,9 @@ class FinestThatFits {
             Sapling tree = whole(cellsPerSample, kOnTheWay * most_);
             if (tree.nodes <= most_) return std::move(tree.root);
         }
-        return std::move(whole(cellsPerSample, kMostNodes).root);
+        Sapling coarsest = whole(cellsPerSample, kMostNodes);
+        assert(!coarsest.isGivenUp());
+        return std::move(coarsest.root);
     }
 
   private:
@@ -408,7 +411,7 @@ class FinestThatFits {
 Coverage cover(ImageStore& images, const CoverOptions& options, CoverFigures& figures,
                const std::function<void()>& advance) {
     std::vector<Box> boxes(images.size());
-    visitEach(images, 2, [&](std::size_t i) { boxes[i] = boxOf(*images.borrow(i)); });
+    visitEach(images, 2, [&](std::size_t i) { boxes[i] = boxOf(*images.borrow(i)); }); // and places of some samples
     Box all;
     for (const Box& box : boxes)
         if (!box.isEmpty()) all.include(box.least), all.include(box.most);

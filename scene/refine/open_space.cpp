@@ -35,7 +35,7 @@ inline OpenSpace::Span OpenSpace::Level::spanOf(int left, int top, int right, in
 std::size_t OpenSpace::Buffers::bytesOf(const Camera& camera, int margin) {
     const auto samples =
         static_cast<std::size_t>(camera.width + 2 * margin) * static_cast<std::size_t>(camera.height + 2 * margin);
-    return samples * (2 * sizeof(End) + sizeof(Span) + sizeof(Span) / 3);
+    return samples * (6 * sizeof(End) + 4 * sizeof(Span)) / 3; // coarser levels are a third of the finest
 }
 
 OpenSpace::OpenSpace(const DepthImage& image, const Rim* rim, float tolerance, Buffers& buffers)

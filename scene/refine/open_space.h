@@ -36,7 +36,7 @@ class OpenSpace {
     class End {
       public:
         End() = default;
-        End(float disparity, bool hasEdge) : kept_(hasEdge ? -disparity : disparity) {}
+        End(float disparity, bool hasEdge) : kept_(std::copysign(disparity, hasEdge ? -1.f : 1.f)) {}
         float disparity() const { return std::abs(kept_); }
         bool hasEdge() const { return std::signbit(kept_); }
 

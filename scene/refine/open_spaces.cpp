@@ -44,7 +44,7 @@ OpenSpaces::OpenSpaces(ImageStore& images, float tolerance) : images_(images), t
         places_.push_back(std::move(places[i]));
 }
 
-std::size_t OpenSpaces::bytesBeside(std::span<const StoredImage> images) {
+std::size_t OpenSpaces::bytesOfBuffers(std::span<const StoredImage> images) {
     std::size_t most = 0;
     for (const StoredImage& image : images)
         most = std::max(most, OpenSpace::Buffers::bytesOf(image.camera, Rim::marginOf(image.camera)));

@@ -25,8 +25,8 @@ class OpenSpaces {
     /// one, and the buffers of one open space.
     void forEach(const Visit& visit);
 
-    /// Bytes that the buffers take for the largest of these.
-    static std::size_t bytesBeside(std::span<const StoredImage> images);
+    /// That the open space of the largest of these takes.
+    static std::size_t bytesOfBuffers(std::span<const StoredImage> images);
 
   private:
     /// One direction from a place; images: by number.

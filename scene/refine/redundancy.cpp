@@ -353,7 +353,7 @@ std::vector<KeepMap> findKept(ImageStore& images, const std::vector<std::vector<
                               const RedundancyOptions& options, RedundancyFigures& figures,
                               const std::function<void()>& advance) {
     std::vector<std::vector<RankedTile>> tilesOf(images.size());
-    visitEach(images, 2, [&](std::size_t i) {
+    visitEach(images, 2, [&](std::size_t i) { // the image and its density
         tilesOf[i] = rateTiles(*images.borrow(i), static_cast<std::uint32_t>(i), options.tileSize);
     });
     std::vector<RankedTile> ranked;

@@ -7,12 +7,14 @@
 #include "tests/scene/stored_images.h"
 
 #include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <mutex>
 #include <optional>
 #include <thread>
 
 #include <gtest/gtest.h>
 #include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
 
 namespace scene {
 namespace {
@@ -185,41 +187,77 @@ TEST(GivenImages, AreLentAsTheyAre) {
     EXPECT_EQ(taken->colour(0, 0).r, 0);
 }
 
-/// How many visits were under way at once, at most; each image must be visited once. Within each visit threads wait, so
-/// that they might begin others.
-int mostAtOnce(const ImageStore& images, std::size_t imagesEach) {
-    std::vector<std::atomic<int>> visits(images.size());
-    std::atomic<int> now = 0, most = 0;
-    tbb::task_arena(4).execute([&] {
-        visitEach(images, imagesEach, [&](std::size_t i) {
+/// Numbers that threads wait for each other to reach.
+class Meeting {
+  public:
+    int come() {
+        const std::lock_guard lock(mutex_);
+        changed_.notify_all();
+        return ++came_;
+    }
+    /// False: so many never came.
+    bool await(int count) {
+        std::unique_lock lock(mutex_);
+        return changed_.wait_for(lock, std::chrono::seconds(20), [&] { return came_ >= count; });
+    }
+
+  private:
+    std::mutex mutex_;
+    std::condition_variable changed_;
+    int came_ = 0;
+};
+
+TEST_F(StoredImages, AreVisitedOnceEachByAsManyAtATimeAsFit) {
+    if (std::thread::hardware_concurrency() < 2) GTEST_SKIP() << "because there is one processor";
+    for (const int together : {1, 2}) {
+        const ImageStore images(store(50), static_cast<std::size_t>(together) * 3 * bytesOf(kCamera));
+        std::vector<std::atomic<int>> visits(images.size());
+        std::atomic<int> now = 0, most = 0;
+        Meeting meeting;
+        visitEach(images, 3, [&](std::size_t i) {
             const int here = ++now;
             for (int seen = most; seen < here && !most.compare_exchange_weak(seen, here);) {
             }
-            tbb::parallel_for(0, 100, [&](int k) { visits[i] += k == 50; });
+            meeting.come();
+            EXPECT_TRUE(meeting.await(together));
+            tbb::parallel_for(0, 100, [&](int k) { visits[i] += k == 50; }); // while it waits, others might be begun
             --now;
         });
-    });
-    for (const std::atomic<int>& count : visits)
-        EXPECT_EQ(count, 1);
-    return most;
+        EXPECT_EQ(most, together);
+        for (const std::atomic<int>& count : visits)
+            EXPECT_EQ(count, 1);
+    }
 }
 
-TEST_F(StoredImages, AreVisitedOnceEachByNoMoreAtATimeThanFit) {
-    EXPECT_EQ(mostAtOnce(ImageStore(store(50), 5 * bytesOf(kCamera)), 3), 1);
-    EXPECT_LE(mostAtOnce(ImageStore(store(50), 6 * bytesOf(kCamera)), 3), 2);
-    EXPECT_EQ(mostAtOnce(ImageStore(store(50), 0), 1), 1) << "one, however little room there is";
-    EXPECT_EQ(mostAtOnce(ImageStore(std::vector<StoredImage>(), 1), 1), 0);
+TEST_F(StoredImages, AreVisitedOneAtATimeHoweverLittleRoomThereIs) {
+    int visits = 0;
+    visitEach(ImageStore(store(3), 0), 1, [&](std::size_t) { ++visits; });
+    visitEach(ImageStore(std::vector<StoredImage>(), 1), 1, [&](std::size_t) { ++visits; });
+    EXPECT_EQ(visits, 3);
 }
 
-TEST_F(StoredImages, AreNotVisitedAnyFurtherOnceAVisitFailed) {
-    std::size_t visits = 0;
-    const auto visit = [&](std::size_t i) {
+TEST(VisitEach, FinishesWhatIsUnderWayWholeWhereAnotherFailed) {
+    if (std::thread::hardware_concurrency() < 2) GTEST_SKIP() << "because there is one processor";
+    Meeting meeting, failing;
+    std::atomic<int> visits = 0, steps = 0;
+    const auto visit = [&](std::size_t) {
         ++visits;
-        if (i == 3) throw Failure("is none", std::string("image"), "leave it");
+        const bool isFirst = meeting.come() == 1;
+        EXPECT_TRUE(meeting.await(2));
+        if (isFirst) {
+            failing.come();
+            throw Failure("is none", std::string("image"), "leave it");
+        }
+        EXPECT_TRUE(failing.await(1));
+        // Some hundredths of a second, in which that exception comes wherever it is caught.
+        tbb::parallel_for(0, 1000, [&](int) {
+            std::this_thread::sleep_for(std::chrono::microseconds(50));
+            ++steps;
+        });
     };
-    // One at a time: which others were under way would be chance.
-    EXPECT_THROW(visitEach(ImageStore(store(10), bytesOf(kCamera)), 1, visit), Failure);
-    EXPECT_EQ(visits, 4u);
+    EXPECT_THROW(visitEach(1000, 2, visit), Failure);
+    EXPECT_EQ(steps, 1000);
+    EXPECT_EQ(visits, 2);
 }
 
 } // namespace

@@ -239,13 +239,13 @@ TEST(Cover, WhatWouldTakeTooMuchIsKeptCoarser) {
 TEST(Cover, IsTheFinestThatMayBeAndAsIfNoFinerOneHadBeenTried) {
     ImageStore store(markedImages(3));
     std::map<double, Coverage> known; ///< without limit, by cells for a sample
-    const auto without = [&](double cellsPerSample) -> const Coverage& {
+    const auto unlimited = [&](double cellsPerSample) -> const Coverage& {
         const auto [at, isNew] = known.try_emplace(cellsPerSample);
         CoverFigures figures;
         if (isNew) at->second = cover(store, {.cellsPerSample = cellsPerSample}, figures);
         return at->second;
     };
-    const std::size_t all = without(CoverOptions().cellsPerSample).nodes.size();
+    const std::size_t all = unlimited(CoverOptions().cellsPerSample).nodes.size();
     // From what fits, over what an estimate alone cannot tell, to what is given up several times.
     for (const double share : {2.0, 1.0, 0.98, 0.85, 0.5, 0.2, 0.03}) {
         CoverFigures kept;
@@ -257,9 +257,9 @@ TEST(Cover, IsTheFinestThatMayBeAndAsIfNoFinerOneHadBeenTried) {
         EXPECT_EQ(kept.nodes, coverage.nodes.size()) << share;
         EXPECT_LE(kept.nodes, options.maxNodes) << share;
         EXPECT_EQ(kept.cellsPerSample == 1, share >= 1) << share;
-        EXPECT_EQ(without(kept.cellsPerSample), coverage) << share;
+        EXPECT_EQ(unlimited(kept.cellsPerSample), coverage) << share;
         if (kept.cellsPerSample == 1) continue;
-        EXPECT_GT(without(2 * kept.cellsPerSample).nodes.size(), options.maxNodes) << share;
+        EXPECT_GT(unlimited(2 * kept.cellsPerSample).nodes.size(), options.maxNodes) << share;
     }
 }
 
