@@ -256,8 +256,8 @@ TEST(VisitEach, FinishesWhatIsUnderWayWholeWhereAnotherFailed) {
         });
     };
     EXPECT_THROW(visitEach(1000, 2, visit), Failure);
-    EXPECT_EQ(steps, 1000);
-    EXPECT_EQ(visits, 2);
+    EXPECT_EQ(steps, 1000 * (visits - 1)) << "whole";
+    EXPECT_LT(visits, 1000) << "two, or few more if the one that failed is held up";
 }
 
 } // namespace
