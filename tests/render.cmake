@@ -49,5 +49,6 @@ revisit_bench(revisit_render_bench LINKS revisit_render_scenes scene_project sce
         bench/large_scene_bench.cpp
         bench/panorama_bench.cpp
         bench/render_bench.cpp
+        bench/triangles_bench.cpp
         ${CMAKE_CURRENT_BINARY_DIR}/spirv/bare_scatter.comp.h)
 target_include_directories(revisit_render_bench PRIVATE ${CMAKE_CURRENT_BINARY_DIR})

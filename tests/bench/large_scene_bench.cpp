@@ -4,7 +4,7 @@
 
 #include "render/renderer.h"
 #include "scene/median.h"
-#include "scene/scene_file.h"
+#include "tests/bench/given_scene.h"
 #include "tests/render/test_scenes.h"
 
 #include <benchmark/benchmark.h>
@@ -14,8 +14,6 @@
 #include <array>
 #include <chrono>
 #include <cmath>
-#include <cstdlib>
-#include <filesystem>
 #include <limits>
 #include <memory>
 #include <string>
@@ -58,13 +56,9 @@ struct Site {
 
 void areaOfScene(benchmark::State& state, Warp warp) {
     static const Device device;
-    const char* const given = std::getenv("REVISIT_BENCH_SCENE");
-    const std::string folder = given != nullptr ? given : "demo/room.revisit";
-    if (!std::filesystem::exists(folder)) {
-        state.SkipWithError(("no scene at " + folder + ": run ./dev demo first").c_str());
-        return;
-    }
-    static const scene::Scene part = scene::openScene(folder);
+    const scene::Scene* const given = givenScene(state);
+    if (given == nullptr) return;
+    const scene::Scene& part = *given;
     Quality quality;
     quality.warp = warp;
     quality.samplePixels = 1;
