@@ -15,6 +15,7 @@
 #include <algorithm>
 #include <cmath>
 #include <exception>
+#include <span>
 
 #include <tbb/task_arena.h>
 #include <tbb/task_group.h>
@@ -27,6 +28,9 @@ using nlohmann::json;
 
 /// Changed whenever what a stage computes changes, so that results of older versions are not taken for new ones.
 constexpr int kImportVersion = 6;
+
+/// Share of a scan's rays that is worth a word: a scanner that stands indoors has its own blind cone without range.
+constexpr double kManyWithoutRange = 0.3;
 
 json describe(const scene::Pose& pose) {
     json numbers = json::array();
@@ -58,15 +62,28 @@ std::string keyOfScan(const scene::ScanSource& scan, const ScanPhotographs& phot
                   {faces.maxFaceSize, faces.sameSurface, faces.maxLayers}});
 }
 
-/// A face that is made and the one that is written meanwhile, each with its further layers, and the scan itself stay
-/// within the memory that may be taken. As large as kAlways whatever that is.
+/// A face that is made and the one that is written meanwhile, each with its further layers, and the scan itself, which
+/// has five points for each pixel of a face, stay within the memory that may be taken. As large as kAlways whatever
+/// that is.
 scene::CubeFaceOptions within(scene::CubeFaceOptions faces, std::uint64_t memoryBytes) {
-    constexpr double kBytesPerPixel = 400;
+    constexpr double kBytesPerPixel = 240;
     constexpr int kAlways = 4096;
     const double side = std::sqrt(static_cast<double>(memoryBytes) / kBytesPerPixel);
     faces.maxFaceSize =
         std::clamp(static_cast<int>(std::min(side, 1e6)), kAlways, std::max(kAlways, faces.maxFaceSize));
     return faces;
+}
+
+/// How many scans may be imported at a time within that memory: reading one is the work of one thread.
+std::size_t scansTogether(std::span<const scene::ScanSource> scans, std::uint64_t memoryBytes) {
+    constexpr std::uint64_t kBytesPerPoint = 48; // its faces with it
+    std::uint64_t most = 1;
+    for (const scene::ScanSource& scan : scans)
+        most = std::max({most, static_cast<std::uint64_t>(std::max<std::int64_t>(scan.pointCount, 0)),
+                         static_cast<std::uint64_t>(scan.rows) * static_cast<std::uint64_t>(scan.columns)});
+    const std::uint64_t room = memoryBytes / kBytesPerPoint / most;
+    return std::clamp(static_cast<std::size_t>(room), std::size_t{1},
+                      static_cast<std::size_t>(tbb::this_task_arena::max_concurrency()));
 }
 
 /// The faces of a scan and, in points.json, what became of its points.
@@ -157,7 +174,9 @@ scene::Scan readScan(const scene::ScanSource& source) {
 }
 
 scene::Failure nothingToBuild(const BuildOptions& options) {
-    return {"holds no image or scan with range", options.inputs.front(), "check the capture, or hold out less"};
+    return {"holds no image or scan with range", options.inputs.front(),
+            options.holdOut.empty() ? "check that its photographs have depth and its scans have points"
+                                    : "check the capture, or hold out less"};
 }
 
 ImportedImages importImages(scene::Capture& capture, const std::vector<std::size_t>& heldOut,
@@ -186,14 +205,20 @@ ImportedImages importImages(scene::Capture& capture, const std::vector<std::size
     });
     imported.images = std::move(photos);
 
-    // One scan at a time: the points of a single one may fill the memory.
     const scene::CubeFaceOptions cubeFaces = within(options.cubeFaces, options.memoryBytes);
+    std::vector<std::filesystem::path> ofScan(capture.scans.size());
+    for (std::size_t i = 0; i < capture.scans.size(); ++i)
+        keys.push_back(keyOfScan(capture.scans[i], photographs.ofScan[i], cubeFaces));
+    scene::visitEach(capture.scans.size(), scansTogether(capture.scans, options.memoryBytes), [&](std::size_t i) {
+        ofScan[i] = store.find("scan", keys[taken.size() + i], [&](const std::filesystem::path& part) {
+            writeFaces(capture.scans[i], photographs.ofScan[i], cubeFaces, part);
+        });
+        progress.advance();
+    });
     for (std::size_t i = 0; i < capture.scans.size(); ++i) {
         const scene::ScanSource& scan = capture.scans[i];
         const ScanPhotographs& own = photographs.ofScan[i];
-        keys.push_back(keyOfScan(scan, own, cubeFaces));
-        const std::filesystem::path folder = store.find(
-            "scan", keys.back(), [&](const std::filesystem::path& part) { writeFaces(scan, own, cubeFaces, part); });
+        const std::filesystem::path& folder = ofScan[i];
         imported.images.insert(imported.images.end(), own.images.begin(), own.images.end());
         const json points = readJson(folder / "points.json");
         for (const json& name : points.at("faces"))
@@ -205,9 +230,15 @@ ImportedImages importImages(scene::Capture& capture, const std::vector<std::size
             tell(capture, "Scan '" + scan.name +
                               "' is denser than its images may be within --memory: where it is densest, several of its "
                               "points share a sample.");
+        const std::int64_t cells = std::int64_t{scan.rows} * scan.columns, empty = cells - scan.pointCount;
+        if (options.findUnseen && static_cast<double>(empty) > kManyWithoutRange * static_cast<double>(cells))
+            tell(capture,
+                 "Of the rays of scan '" + scan.name + "' " + std::to_string(100 * empty / cells) +
+                     " % came back with nothing, and prove nothing: what lies along them is shown as unseen, to "
+                     "eyes close beside the scanner, too. If they were cut out, or met nothing, "
+                     "--open-without-range takes them for open.");
         for (int axis = 0; axis < 3; ++axis)
             imported.uprightInWorld[axis] += points.at("up").at(static_cast<std::size_t>(axis)).get<double>();
-        progress.advance();
     }
     if (imported.images.empty()) throw nothingToBuild(options);
     imported.key = keyOf(keys);

@@ -14,7 +14,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr int kRefineVersion = 9, kTilesVersion = 5, kCoverageVersion = 2;
+constexpr int kRefineVersion = 9, kTilesVersion = 5, kCoverageVersion = 3;
 
 json describe(const scene::ComparisonOptions& o) {
     return {o.sameSurface, o.pixelError};
@@ -170,8 +170,8 @@ CoverageStage coverSpace(const SkinStage& skins, const BuildOptions& options, St
     CoverageStage stage;
     if (!options.findUnseen) return stage;
     const scene::CoverOptions& o = options.coverage;
-    const std::string key = keyOf(
-        {kCoverageVersion, skins.key, o.cellsPerSample, o.surfaceSamples, o.nearestMetres, o.tolerance, o.maxNodes});
+    const std::string key = keyOf({kCoverageVersion, skins.key, o.cellsPerSample, o.surfaceSamples, o.nearestMetres,
+                                   o.sight.bodyMetres, o.sight.withoutRangeMetres, o.sight.tolerance, o.maxNodes});
     Progress progress("coverage", 3 * skins.images.size());
     const std::filesystem::path folder = store.find("coverage", key, [&](const std::filesystem::path& part) {
         scene::ImageStore images = openImagesToCover(skins.images, options);

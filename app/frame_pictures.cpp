@@ -17,12 +17,16 @@ void write(const std::filesystem::path& path, const std::vector<std::uint8_t>& e
 
 } // namespace
 
-void writePictures(const render::EyeImage& image, const std::filesystem::path& folder, const std::string& name,
-                   bool aux) {
-    write(folder / (name + ".png"), scene::encodePng(image.colour));
-    if (!aux) return;
-    scene::writeNumbersTiff(image.depthMetres, folder / (name + "-depth.tiff"));
-    write(folder / (name + "-class.png"), scene::encodePng(image.pixelClass));
+std::vector<std::string> writePictures(const render::EyeImage& image, const std::filesystem::path& folder,
+                                       const std::string& name, bool aux) {
+    std::vector<std::string> names{name + ".png"};
+    write(folder / names.back(), scene::encodePng(image.colour));
+    if (!aux) return names;
+    names.push_back(name + "-depth.tiff");
+    scene::writeNumbersTiff(image.depthMetres, folder / names.back());
+    names.push_back(name + "-class.png");
+    write(folder / names.back(), scene::encodePng(image.pixelClass));
+    return names;
 }
 
 } // namespace app

@@ -4,10 +4,15 @@
 #include "scene/errors.h"
 #include "scene/scene_file.h"
 
+#include <algorithm>
+#include <cstdint>
 #include <cstdio>
 #include <set>
 #include <string>
+#include <utility>
+#include <vector>
 
+#include <glm/common.hpp>
 #include <nlohmann/json.hpp>
 
 namespace app {
@@ -136,6 +141,43 @@ void printPhotographs(const json& photographs) {
     }
 }
 
+/// How large the place is: units that were mistaken show here at a glance.
+struct Extent {
+    glm::dvec3 placesMetres{0}; ///< along the world's axes
+    /// Of the samples' distances along the axis of the image that keeps them.
+    double medianMetres = 0, nearlyAllMetres = 0;
+};
+constexpr double kNearlyAll = 0.99;
+
+Extent extentOf(const scene::Scene& scene) {
+    Extent extent;
+    std::vector<std::pair<double, std::uint32_t>> samplesAt; // a tile's, together
+    std::uint64_t samples = 0;
+    for (const scene::TileBlock& block : scene.blocks)
+        for (const scene::Tile& tile : block.tiles) {
+            const double disparity = 0.5 * (tile.minDisparity + tile.maxDisparity);
+            if (!scene::isForAllEyes(tile.tier) || !(disparity > 0)) continue;
+            samplesAt.emplace_back(1 / disparity, tile.pointCount);
+            samples += tile.pointCount;
+        }
+    std::ranges::sort(samplesAt);
+    std::uint64_t nearer = 0;
+    for (const auto& [metres, count] : samplesAt) {
+        const auto before = static_cast<double>(nearer);
+        nearer += count;
+        if (before < 0.5 * static_cast<double>(samples)) extent.medianMetres = metres;
+        if (before < kNearlyAll * static_cast<double>(samples)) extent.nearlyAllMetres = metres;
+    }
+    if (scene.images.empty()) return extent;
+    glm::dvec3 low = scene.images.front().worldFromCamera.translation, high = low;
+    for (const scene::SceneImage& image : scene.images) {
+        low = glm::min(low, image.worldFromCamera.translation);
+        high = glm::max(high, image.worldFromCamera.translation);
+    }
+    extent.placesMetres = high - low;
+    return extent;
+}
+
 void printNotes(const Notes& notes) {
     for (const Note& note : notes.list) {
         const glm::dvec3 &a = note.from, &b = note.to;
@@ -158,6 +200,10 @@ void printInfo(const std::filesystem::path& folder, bool asJson) {
         info["notes"].push_back(note.fields);
     info["bytes_on_disk"] = bytesOnDisk(folder);
     info["tiles_bytes"] = scene.tilesFile.bytes().size();
+    const Extent extent = extentOf(scene);
+    info["extent"] = {{"places_m", {extent.placesMetres.x, extent.placesMetres.y, extent.placesMetres.z}},
+                      {"median_depth_m", extent.medianMetres},
+                      {"nearly_all_depth_m", extent.nearlyAllMetres}};
     if (asJson) {
         std::printf("%s\n", info.dump(1, ' ', false, json::error_handler_t::replace).c_str());
         return;
@@ -169,6 +215,11 @@ void printInfo(const std::filesystem::path& folder, bool asJson) {
         std::printf("  from       %s\n", shown(input).c_str());
     std::printf("  images     %zu, %zu held out, %.0f overlapping pairs\n", scene.images.size(), scene.heldOut.size(),
                 number("overlapping_pairs"));
+    std::printf(
+        "  extent     they stand within %.2f x %.2f x %.2f m; what they show is %.2f m away in the median, 99 %% of "
+        "it within %.2f m\n",
+        extent.placesMetres.x, extent.placesMetres.y, extent.placesMetres.z, extent.medianMetres,
+        extent.nearlyAllMetres);
     if (number("scan_points") > 0)
         std::printf("  scans      %.0f points, %.0f held, %.0f dropped\n", number("scan_points"),
                     number("scan_points_held"), number("scan_points_dropped"));
@@ -193,11 +244,11 @@ void printInfo(const std::filesystem::path& folder, bool asJson) {
                 shareText(number("triangles_skin_planarity"), number("triangles")).c_str(),
                 shareText(number("triangles_skin_seen_through"), number("triangles")).c_str());
     if (scene.coverage)
-        std::printf(
-            "  coverage   %.0f nodes, cells down to %.1f mm; in the box about all samples %.1f m3 seen empty, %.1f "
-            "m3 never observed\n",
-            number("coverage_nodes"), 1e3 * number("coverage_finest_m"), number("coverage_empty_m3"),
-            number("coverage_unseen_m3"));
+        std::printf("  coverage   %.0f nodes, cells down to %.1f mm; in the box about all samples and cameras %.1f m3 "
+                    "seen empty, %.1f m3 "
+                    "never observed\n",
+                    number("coverage_nodes"), 1e3 * number("coverage_finest_m"), number("coverage_empty_m3"),
+                    number("coverage_unseen_m3"));
     std::printf("  tiles      %.0f, %.1f MB; scene %.1f MB on disk\n", number("tiles"),
                 static_cast<double>(scene.tilesFile.bytes().size()) / 1e6, info["bytes_on_disk"].get<double>() / 1e6);
     for (const json& reason : info.at("built"))

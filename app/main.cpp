@@ -125,6 +125,13 @@ void addBuild(CLI::App& program, app::BuildOptions& options, std::string& memory
         "find out which space no image observed, and show it as unseen: for scans; slow to draw without a graphics "
         "card");
     build
+        ->add_option("--open-without-range", options.coverage.sight.withoutRangeMetres,
+                     "with --coverage: along rays that came back with nothing, space counts as seen empty for so many "
+                     "metres: for scans of the open air, or with points cut "
+                     "out. Whatever gave no echo there, such as glass or black paint, is then shown as emptiness")
+        ->check(app::realRange(0.0, 1000.0))
+        ->capture_default_str();
+    build
         ->add_option("--mesh-tolerance", options.pyramid.facetTolerance,
                      "share of depth by which the adaptive mesh may leave the samples")
         ->check(app::realRange(0.0, 0.1))
@@ -386,6 +393,16 @@ void addCalibrate(CLI::App& program, app::CalibrateOptions& options) {
                     "  revisit build site.e57 --scanner scanner.json -o site.revisit");
 }
 
+bool isCommand(const CLI::App& program, const std::string& name) {
+    const std::vector<const CLI::App*> commands = program.get_subcommands([](const CLI::App*) { return true; });
+    return std::ranges::any_of(commands, [&](const CLI::App* command) { return command->check_name(name); });
+}
+
+int sayWrongUsage(const std::string& what) {
+    std::fprintf(stderr, "revisit: %s; run with --help for more information\n", what.c_str());
+    return kWrongUsage;
+}
+
 int run(int argc, char** argv) {
     CLI::App program{"Revisit: walk back into a place that was photographed or scanned with depth."};
     program.set_version_flag("--version", std::string("revisit ") + app::kVersion + " (" + app::kCommit + ")");
@@ -415,6 +432,10 @@ int run(int argc, char** argv) {
     info->add_flag("--json", infoAsJson, "as JSON, for programs");
     info->footer("Example:\n  revisit info room.revisit --json");
 
+    for (int i = 1; i < argc; ++i)
+        if (argv[i][0] == '\0') return sayWrongUsage("an argument is empty, where a name was meant");
+    if (argc > 1 && argv[1][0] != '-' && !isCommand(program, argv[1]))
+        return sayWrongUsage("'" + scene::onOneLine(argv[1]) + "' is no command");
     try {
         program.parse(argc, argv);
         buildOptions.memoryBytes = app::parseBytes(memory);

@@ -72,7 +72,6 @@ void drawKnobs(PanelState& state, Knobs& knobs) {
     ImGui::Checkbox("the unseen", &knobs.quality.showUnseen);
     ImGui::SameLine();
     ImGui::Checkbox("tint what was not measured", &knobs.quality.marksUnmeasured);
-    ImGui::SameLine();
     ImGui::Checkbox("cameras", &knobs.showsCameras);
     ImGui::SameLine();
     ImGui::Checkbox("cells", &knobs.showsCells);

@@ -22,7 +22,10 @@
 #include <cmath>
 #include <memory>
 #include <optional>
+#include <set>
 #include <span>
+#include <string>
+#include <utility>
 #include <vector>
 
 namespace app {
@@ -109,6 +112,20 @@ std::vector<render::EyeImage> drawOnce(render::Renderer& renderer, std::span<con
     return images;
 }
 
+/// Pictures there that this run did not write: none of them is what the report speaks of.
+void sayWhatIsOlder(const std::filesystem::path& folder, const std::set<std::string>& names) {
+    std::size_t older = 0;
+    std::error_code ignored;
+    for (const auto& entry : std::filesystem::directory_iterator(folder, ignored)) {
+        const std::string extension = entry.path().extension().string();
+        older += (extension == ".png" || extension == ".tiff") && !names.contains(entry.path().filename().string());
+    }
+    if (older > 0)
+        sayNote("'" + folder.string() + "' holds " + std::to_string(older) +
+                " pictures that this run did not draw, and report.json does not speak of; take another folder, or "
+                "remove them.");
+}
+
 } // namespace
 
 void renderScene(const RenderOptions& options) {
@@ -137,6 +154,7 @@ void renderScene(const RenderOptions& options) {
     LossWatch losses;
     GivenUp givenUp;
     scene::Camera drawn;
+    std::set<std::string> written;
     Progress progress("render", views.size());
     for (const NamedView& view : views) {
         drawn = view.camera;
@@ -164,11 +182,12 @@ void renderScene(const RenderOptions& options) {
             }
         }
         for (std::size_t eye = 0; eye < images.size(); ++eye)
-            writePictures(images[eye], options.out,
-                          view.name + (eyes == 1  ? ""
-                                       : eye == 0 ? "-left"
-                                                  : "-right"),
-                          options.aux);
+            for (std::string& name : writePictures(images[eye], options.out,
+                                                   view.name + (eyes == 1  ? ""
+                                                                : eye == 0 ? "-left"
+                                                                           : "-right"),
+                                                   options.aux))
+                written.insert(std::move(name));
         progress.advance();
     }
     nlohmann::json settings{{"scene", options.scene.string()},
@@ -184,6 +203,7 @@ void renderScene(const RenderOptions& options) {
                report.summarise(canvas.device(), canvas.gpuScene(), settings)
                        .dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + // paths need not be UTF-8
                    "\n");
+    sayWhatIsOlder(options.out, written);
 }
 
 } // namespace app

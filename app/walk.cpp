@@ -271,7 +271,9 @@ void Walk::note(const input::Wants& wants, bool isAtDesk) {
         const scene::Pose worldFromAim = worldFromWalk_ * locomotion_.rig.toWalk(hand.trackingFromAim);
         noting.aim = scene::Ray{worldFromAim.translation, -worldFromAim.rotation[2]};
         noting.presses = !hand.picks;
-        const bool measures = isAtDesk ? wants.hurries : i == 1;
+        // What it shall be is said when it is pressed: who lets go of a key and a button means to do both at once.
+        if (!wasHeld) pressMeasures_ = wants.hurries;
+        const bool measures = isAtDesk ? pressMeasures_ : i == 1;
         noting.mode = measures ? NoteMode::distances : NoteMode::points;
     }
     annotator_->update(noting);

@@ -115,6 +115,7 @@ class Walk {
     int framesWithoutController_ = 0;
     std::optional<Annotator> annotator_;
     std::array<input::Hand, input::kHands> hands_{}; ///< in the frame before it is drawn
+    bool pressMeasures_ = false; ///< whether the press at the desk that is under way is of a distance
     render::FramePictures mirrored_;
     WalkFacts facts_;
     std::future<std::unique_ptr<xr::Runtime>> sought_;

@@ -10,6 +10,7 @@
 #include <functional>
 #include <span>
 
+#include <glm/common.hpp>
 #include <xxhash.h>
 
 namespace scene {
@@ -72,6 +73,36 @@ void forEachCell(const Coverage& coverage, std::size_t index, double edge,
         forEachCell(coverage, node.firstChild + i, cell, visit);
 }
 
+/// Of a cell without children.
+Observed observedOf(const CoverageNode& node, std::uint64_t mask) {
+    return (node.unseen & mask) != 0    ? Observed::unseen
+           : (node.surface & mask) != 0 ? Observed::surface
+                                        : Observed::empty;
+}
+
+double volumeWithin(const glm::dvec3& corner, double edge, const glm::dvec3& low, const glm::dvec3& high) {
+    const glm::dvec3 inside = glm::min(corner + edge, high) - glm::max(corner, low);
+    return inside.x > 0 && inside.y > 0 && inside.z > 0 ? inside.x * inside.y * inside.z : 0;
+}
+
+void addVolumesWithin(const Coverage& coverage, std::size_t index, const glm::dvec3& corner, double edge,
+                      const glm::dvec3& low, const glm::dvec3& high, std::array<double, 3>& volumes) {
+    const CoverageNode& node = coverage.nodes[index];
+    const double cell = edge / kCoverageBranching;
+    for (int bit = 0; bit < 64; ++bit) {
+        const glm::dvec3 first = corner + cell * glm::dvec3(bit % 4, bit / 4 % 4, bit / 16);
+        const double volume = volumeWithin(first, cell, low, high);
+        if (volume == 0) continue;
+        const std::uint64_t mask = coverageMask(bit);
+        if ((node.children & mask) != 0) {
+            addVolumesWithin(coverage, node.firstChild + childRank(node.children, bit), first, cell, low, high,
+                             volumes);
+            continue;
+        }
+        volumes[static_cast<std::size_t>(observedOf(node, mask))] += volume;
+    }
+}
+
 } // namespace
 
 std::optional<CoverageCell> cellAt(const Coverage& coverage, const glm::dvec3& pInWorld) {
@@ -90,12 +121,7 @@ std::optional<CoverageCell> cellAt(const Coverage& coverage, const glm::dvec3& p
         }
         const int bit = coverageBit(at[0], at[1], at[2]);
         const std::uint64_t mask = coverageMask(bit);
-        if ((node->children & mask) == 0) {
-            const Observed observed = (node->unseen & mask) != 0    ? Observed::unseen
-                                      : (node->surface & mask) != 0 ? Observed::surface
-                                                                    : Observed::empty;
-            return CoverageCell{observed, corner, cell};
-        }
+        if ((node->children & mask) == 0) return CoverageCell{observedOf(*node, mask), corner, cell};
         node = &coverage.nodes[node->firstChild + childRank(node->children, bit)];
         cell /= kCoverageBranching;
     }
@@ -106,11 +132,9 @@ Observed observedAt(const Coverage& coverage, const glm::dvec3& pInWorld) {
     return cell ? cell->observed : Observed::unseen;
 }
 
-std::array<double, 3> volumesOf(const Coverage& coverage) {
+std::array<double, 3> volumesOf(const Coverage& coverage, const glm::dvec3& low, const glm::dvec3& high) {
     std::array<double, 3> volumes{};
-    forEachCell(coverage, 0, coverage.edgeMetres, [&](Observed kind, std::uint64_t cells, double edge) {
-        volumes[static_cast<std::size_t>(kind)] += std::popcount(cells) * edge * edge * edge;
-    });
+    addVolumesWithin(coverage, 0, coverage.cornerInWorld, coverage.edgeMetres, low, high, volumes);
     return volumes;
 }
 

@@ -63,8 +63,8 @@ std::optional<CoverageCell> cellAt(const Coverage& coverage, const glm::dvec3& p
 
 Observed observedAt(const Coverage& coverage, const glm::dvec3& pInWorld);
 
-/// Cubic metres of each kind, by Observed.
-std::array<double, 3> volumesOf(const Coverage& coverage);
+/// Cubic metres of each kind, by Observed, in a box of the world.
+std::array<double, 3> volumesOf(const Coverage& coverage, const glm::dvec3& low, const glm::dvec3& high);
 
 /// Edge of the smallest cell, metres.
 double finestCellOf(const Coverage& coverage);

@@ -48,6 +48,9 @@ void openInput(const std::filesystem::path& input, Capture& capture) {
             return listTransformsJson(input / "transforms.json", capture);
         if (std::filesystem::exists(input / "rgb.txt") && std::filesystem::exists(input / "groundtruth.txt"))
             return listTumRgbd(input, capture);
+        if (std::filesystem::exists(input / "scene.json") && std::filesystem::exists(input / "tiles.bin"))
+            throw Failure("is a scene already, not a capture", input,
+                          "walk, render or measure it; to build it anew, name the capture that it was made of");
         throw Failure("folder holds no capture that Revisit knows", input,
                       "it needs a transforms.json with depth, or rgb.txt, depth.txt and groundtruth.txt (TUM)");
     }

@@ -301,7 +301,7 @@ struct Sapling {
 class Growth {
   public:
     Growth(ImageStore& images, const Region& region, const CoverOptions& options)
-        : spaces_(images, options.tolerance), region_(region), options_(options) {}
+        : spaces_(images, options.sight), region_(region), options_(options) {}
 
     /// All images carve all trees, until none is left that is not given up. afterImage is told how many images did.
     template <class AfterImage>
@@ -427,7 +427,7 @@ Coverage cover(ImageStore& images, const CoverOptions& options, CoverFigures& fi
     Coverage coverage{region.centre - glm::dvec3(region.edge / 2), region.edge, flatten(root)};
     figures.nodes = coverage.nodes.size();
     figures.finestMetres = finestCellOf(coverage);
-    const std::array<double, 3> volumes = volumesOf(coverage);
+    const std::array<double, 3> volumes = volumesOf(coverage, all.least, all.most);
     figures.unseenCubicMetres = volumes[static_cast<std::size_t>(Observed::unseen)];
     figures.surfaceCubicMetres = volumes[static_cast<std::size_t>(Observed::surface)];
     figures.emptyCubicMetres = volumes[static_cast<std::size_t>(Observed::empty)];

@@ -10,6 +10,7 @@
 
 #include "scene/coverage.h"
 #include "scene/image_store.h"
+#include "scene/refine/open_space.h"
 
 #include <cstdint>
 #include <functional>
@@ -20,20 +21,22 @@ struct CoverOptions {
     double cellsPerSample = 1;  ///< smallest cells, where seen space ends in the open: so many to a sample's spacing
     double surfaceSamples = 2;  ///< largest cells where it ends at a surface: so many samples wide
     double nearestMetres = 0.5; ///< nearer to a camera, cells do not become smaller
-    float tolerance = 0.002f;   ///< relative; how much farther than its sample a surface may be
+    /// tolerance: how much farther than its sample a surface may be.
+    SightOptions sight{.tolerance = 0.002f, .bodyMetres = 0.2, .withoutRangeMetres = 0};
     /// What would take more, or twice as many on the way, is kept coarser: half as fine, until it fits.
     std::size_t maxNodes = 2 << 20;
 };
 
 struct CoverFigures {
     std::uint64_t nodes = 0;
-    double cellsPerSample = 0;                                                  ///< as it was in the end
-    double finestMetres = 0;                                                    ///< edge of the smallest cell
-    double unseenCubicMetres = 0, surfaceCubicMetres = 0, emptyCubicMetres = 0; ///< within the box of all samples
+    double cellsPerSample = 0; ///< as it was in the end
+    double finestMetres = 0;   ///< edge of the smallest cell
+    double unseenCubicMetres = 0, surfaceCubicMetres = 0,
+           emptyCubicMetres = 0; ///< within the box about all samples and cameras
 };
 
 /// Coverage of the cube about all samples and cameras, from images whose skins are marked (refine/skins.h). advance is
-/// called for each image, thrice. The same tree on any number of threads. No image or no sample: a cube of a metre that
+/// called for each image, thrice. The same tree on any number of threads. No image: a cube of a metre that
 /// nobody observed.
 Coverage cover(ImageStore& images, const CoverOptions& options, CoverFigures& figures,
                const std::function<void()>& advance = {});

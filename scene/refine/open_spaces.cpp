@@ -25,7 +25,7 @@ std::vector<std::size_t> spreadOrder(std::size_t count) {
 
 } // namespace
 
-OpenSpaces::OpenSpaces(ImageStore& images, float tolerance) : images_(images), tolerance_(tolerance) {
+OpenSpaces::OpenSpaces(ImageStore& images, const SightOptions& options) : images_(images), options_(options) {
     std::vector<Place> places;
     std::map<std::array<double, 3>, std::size_t> placeAt;
     for (std::size_t i = 0; i < images.size(); ++i) {
@@ -67,7 +67,9 @@ bool OpenSpaces::visitPlace(const Place& place, const Visit& visit) {
             for (const std::size_t i : place[f].images) {
                 const ImageStore::Lease image = images_.borrow(i);
                 const std::optional<Rim>& rim = rims[f - first];
-                if (!visit(*image, OpenSpace(*image, rim ? &*rim : nullptr, tolerance_, buffers_))) return false;
+                SightOptions options = options_;
+                if (i != place[f].images.front()) options.withoutRangeMetres = 0;
+                if (!visit(*image, OpenSpace(*image, rim ? &*rim : nullptr, options, buffers_))) return false;
             }
     }
     return true;

@@ -15,8 +15,9 @@ namespace scene {
 /// once to be looked at, and once for as many rims of its place as there is room for, not once for each.
 class OpenSpaces {
   public:
-    /// tolerance: of OpenSpace.
-    OpenSpaces(ImageStore& images, float tolerance);
+    /// Where several images have the same rays, withoutRangeMetres is for the first alone: the others hold what lies in
+    /// further layers, and nothing elsewhere.
+    OpenSpaces(ImageStore& images, const SightOptions& options);
 
     /// Both are valid until it returns. False: no further image is wanted.
     using Visit = std::function<bool(const DepthImage&, const OpenSpace&)>;
@@ -42,7 +43,7 @@ class OpenSpaces {
 
     ImageStore& images_;
     std::vector<Place> places_;
-    float tolerance_;
+    SightOptions options_;
     OpenSpace::Buffers buffers_;
 };
 

@@ -240,6 +240,32 @@ TEST_F(Walk, PathsNeedNotBeUtf8) {
     EXPECT_GT(readJson(path("caf\xe9-frames") + "/report.json").at("samples_drawn").at("median"), 1000);
 }
 
+TEST_F(Walk, PicturesOfAnEarlierRunAreTold) {
+    const std::string out = path("twice");
+    const auto render = [&](const std::vector<std::string>& further) {
+        std::vector<std::string> command{kRevisit, "render", path("room.revisit"), "--out", out};
+        command.insert(command.end(), further.begin(), further.end());
+        const Outcome drawn = run(command, folder());
+        EXPECT_EQ(drawn.status, 0) << drawn.output;
+        return drawn.output;
+    };
+    EXPECT_EQ(render({"--aux"}).find("note:"), std::string::npos);
+    EXPECT_EQ(render({"--aux"}).find("note:"), std::string::npos) << "each was drawn anew";
+    EXPECT_NE(render({}).find("pictures that this run did not draw"), std::string::npos) << "depth and class are older";
+}
+
+TEST_F(Walk, InfoTellsHowLargeThePlaceIs) {
+    const Outcome told = run({kRevisit, "info", path("room.revisit"), "--json"}, folder());
+    ASSERT_EQ(told.status, 0) << told.output;
+    const nlohmann::json extent = nlohmann::json::parse(told.output).at("extent");
+    for (const double metres : extent.at("places_m"))
+        EXPECT_LT(metres, 6) << extent;
+    EXPECT_GT(extent.at("median_depth_m"), 0.5) << extent;
+    EXPECT_LT(extent.at("median_depth_m"), 6) << extent;
+    EXPECT_GT(extent.at("nearly_all_depth_m"), extent.at("median_depth_m")) << extent;
+    EXPECT_LT(extent.at("nearly_all_depth_m"), 10) << extent;
+}
+
 /// Of one photograph, whose range in floats ends before its time: OpenCV has much to say about such a one.
 void writeCaptureWithACutOffTiff(const std::filesystem::path& folder) {
     std::filesystem::create_directory(folder);
@@ -292,7 +318,10 @@ TEST_F(Walk, WrongUsageIsTwoAndWhatCannotBeDoneIsOne) {
     writeCaptureWithACutOffTiff(cut);
     const std::vector<Case> cases{
         {{kRevisit}, 2, "subcommand"},
+        {{kRevisit, "buid", "x"}, 2, "'buid' is no command"},
         {{kRevisit, "build"}, 2, "INPUT"},
+        {{kRevisit, "build", capture(), "-o", ""}, 2, "an argument is empty"},
+        {{kRevisit, "build", capture(), "-o", path("x.revisit"), "--open-without-range", "-1"}, 2, "--open-without"},
         {{kRevisit, "build", capture(), "-o", path("x.revisit"), "--scanner", "x.json"}, 1, "is for laser scans"},
         {{kRevisit, "build", capture(), "-o", path("x.revisit"), "--register", "x.json"}, 1, "about laser scans"},
         {{kRevisit, "build", capture(), "-o", path("x.revisit"), "--memory", "lots"}, 2, "--memory"},
@@ -305,7 +334,8 @@ TEST_F(Walk, WrongUsageIsTwoAndWhatCannotBeDoneIsOne) {
         {{kRevisit, "walk", room, "--headless", "--path", capture() + "/walk.json", "--picture-every", "2"},
          2,
          "--out"},
-        {{kRevisit, "build", room, "-o", path("x.revisit")}, 1, "no capture"},
+        {{kRevisit, "build", room, "-o", path("x.revisit")}, 1, "a scene already"},
+        {{kRevisit, "build", folder().string(), "-o", path("x.revisit")}, 1, "no capture"},
         {{kRevisit, "build", capture(), "-o", capture()}, 1, "is no scene"},
         {{kRevisit, "info", capture()}, 1, "scene.json"},
         {{kRevisit, "render", room, "--out", path("x"), "--path", path("nowhere.json")}, 1, "no such file"},

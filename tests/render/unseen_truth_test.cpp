@@ -2,8 +2,9 @@
 // the geometry itself, not of the images.
 //
 // A point is *observed* by a scan if the scanner's ray towards it got an echo (not from the sky, nor from below the
-// scan's last row) and no surface of the place stands on that ray before the point. Scans have samples, not rays
-// without end, so at the rims of what a scan saw its own spacing is left open either way:
+// scan's last row) and no surface of the place stands on that ray before the point; or if the scanner itself stood
+// there. Scans have samples, not rays without end, so at the rims of what a scan saw its own spacing is left open
+// either way:
 //   surely unseen    four rays to places a spacing beside the point, and the one to it, all end before the point by
 //                    more than a spacing, or have no echo; for every scan
 //   surely observed  all five reach the point and have an echo; for one scan
@@ -77,6 +78,9 @@ Place scanPlace(scene::SyntheticScene truth, std::size_t scans) {
     return place;
 }
 
+/// Where a scanner stood space is empty, whatever its rays met.
+constexpr double kBodyMetres = scene::CoverOptions{}.sight.bodyMetres;
+
 /// The scans' own spacing, radians; cells of the grid are as wide as they are high.
 constexpr double kSpacing = 2 * 3.14159265358979 / kColumns;
 
@@ -102,11 +106,12 @@ class Truth {
         std::iota(open.begin(), open.end(), std::size_t{0});
         for (std::size_t k = 0, begin = first; k < place_.scanners.size() && openCount > 0; ++k) {
             const std::size_t scan = (begin + k) % place_.scanners.size();
-            const auto reached = reachOf(place_.scanners[scan].translation, places, {open.data(), openCount});
+            const glm::dvec3 scanner = place_.scanners[scan].translation;
+            const auto reached = reachOf(scanner, places, {open.data(), openCount});
             std::size_t still = 0;
             for (std::size_t i = 0; i < openCount; ++i) {
                 const std::size_t at = open[i];
-                if (reached[i] == Reach::all) {
+                if (reached[i] == Reach::all || glm::distance(places[at], scanner) < kBodyMetres) {
                     found[at] = Observation::surelyObserved;
                     first = scan;
                 } else {

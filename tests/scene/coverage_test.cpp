@@ -82,10 +82,34 @@ TEST(Coverage, VolumesAreThoseOfTheCells) {
     std::array<double, 3> counted{};
     for (const Observed kind : spreadOut(coverage, 64))
         counted[static_cast<std::size_t>(kind)] += std::pow(coverage.edgeMetres / 64, 3);
-    const std::array<double, 3> volumes = volumesOf(coverage);
+    const std::array<double, 3> volumes =
+        volumesOf(coverage, coverage.cornerInWorld, coverage.cornerInWorld + coverage.edgeMetres);
     for (std::size_t kind = 0; kind < 3; ++kind)
         EXPECT_NEAR(volumes[kind], counted[kind], 1e-9 * counted[kind]);
     EXPECT_DOUBLE_EQ(finestCellOf(coverage), coverage.edgeMetres / 64);
+}
+
+TEST(Coverage, VolumesInABoxAreOfWhatLiesInIt) {
+    const Coverage coverage = randomCoverage(4, 3);
+    const glm::dvec3 corner = coverage.cornerInWorld;
+    const double finest = coverage.edgeMetres / 64;
+    // Of the finest cells; along z beyond the cube, where nothing is.
+    const std::array<int, 3> first{5, 9, 0}, end{40, 33, 64};
+    const glm::dvec3 low = corner + finest * glm::dvec3(first[0], first[1], -20);
+    const glm::dvec3 high = corner + finest * glm::dvec3(end[0], end[1], 90);
+    const std::vector<Observed> cells = spreadOut(coverage, 64);
+    std::array<double, 3> counted{};
+    for (int z = first[2]; z < end[2]; ++z)
+        for (int y = first[1]; y < end[1]; ++y)
+            for (int x = first[0]; x < end[0]; ++x)
+                counted[static_cast<std::size_t>(cells[static_cast<std::size_t>((z * 64 + y) * 64 + x)])] +=
+                    std::pow(finest, 3);
+    const std::array<double, 3> volumes = volumesOf(coverage, low, high);
+    for (std::size_t kind = 0; kind < 3; ++kind)
+        EXPECT_NEAR(volumes[kind], counted[kind], 1e-9 * counted[kind]);
+    // Half of one cell.
+    const std::array<double, 3> half = volumesOf(coverage, corner, corner + finest * glm::dvec3(0.5, 1, 1));
+    EXPECT_NEAR(half[0] + half[1] + half[2], 0.5 * std::pow(finest, 3), 1e-12);
 }
 
 /// What a cube of the finest cells is told as by one cell.

@@ -55,7 +55,7 @@ TEST(OpenSpace, HoldsASampleWhereOneIs) {
     const Camera camera{100, 60, 50, 40, 47, 33};
     const DepthImage image = scatteredSamples(camera);
     OpenSpace::Buffers buffers;
-    const OpenSpace space(image, nullptr, 0, buffers);
+    const OpenSpace space(image, nullptr, {}, buffers);
     std::mt19937 random(1);
     const auto between = [&](double least, double most) {
         return std::uniform_real_distribution<double>(least, most)(random);
@@ -71,6 +71,41 @@ TEST(OpenSpace, HoldsASampleWhereOneIs) {
     }
     EXPECT_GT(holding, kBoxes / 10);
     EXPECT_LT(holding, 9 * kBoxes / 10);
+}
+
+TEST(OpenSpace, WithoutRangeItIsOpenAsFarAsIsSaid) {
+    DepthImage image = imageOf(kSquare, {}, [](double, double) { return 0.5f; });
+    for (int y = 0; y < kSquare.height; ++y)
+        for (int x = 0; x < kSquare.width / 2; ++x)
+            image.flags(x, y) = kNoSurface;
+    OpenSpace::Buffers buffers;
+    const OpenSpace space(image, nullptr, {.withoutRangeMetres = 0.2}, buffers);
+    const auto boxAt = [](double x, double metres) { // in that direction, so far from the camera
+        const glm::dvec3 ray(x, 0.1, 1);
+        return BoxInCamera{metres / glm::length(ray) * ray, glm::dvec3(0.005)};
+    };
+    for (const double x : {-0.9, -0.5, -0.2}) {
+        EXPECT_EQ(space.look(boxAt(x, 0.18)).sight, Sight::all) << x;
+        EXPECT_EQ(space.look(boxAt(x, 0.2)).sight, Sight::part) << x;
+        EXPECT_EQ(space.look(boxAt(x, 0.22)).sight, Sight::none) << x;
+        EXPECT_FALSE(space.holdsSample(boxAt(x, 0.2))) << x; // there is nothing
+    }
+    for (const double x : {0.2, 0.9})
+        EXPECT_EQ(space.look(boxAt(x, 1)).sight, Sight::all) << x;
+    EXPECT_TRUE(space.holdsSample(boxAt(0.5, 2 * glm::length(glm::dvec3(0.5, 0.1, 1)))));
+}
+
+TEST(OpenSpace, WhereTheCameraStoodIsOpenOnAllSides) {
+    const DepthImage image = imageOf(kSquare, {}, [](double, double) { return 0.5f; });
+    OpenSpace::Buffers buffers;
+    const OpenSpace space(image, nullptr, {.bodyMetres = 0.2}, buffers);
+    for (const glm::dvec3& side : {glm::dvec3(1, 0, 0), glm::dvec3(0, -1, 0), glm::dvec3(0, 0, -1)}) {
+        EXPECT_EQ(space.look({0.18 * side, glm::dvec3(0.005)}).sight, Sight::all);
+        EXPECT_EQ(space.look({0.2 * side, glm::dvec3(0.005)}).sight, Sight::part);
+        EXPECT_EQ(space.look({0.3 * side, glm::dvec3(0.005)}).sight, Sight::none);
+    }
+    EXPECT_EQ(space.look({glm::dvec3(0), glm::dvec3(0.1)}).sight, Sight::all);
+    EXPECT_EQ(space.look({glm::dvec3(0), glm::dvec3(0.15)}).sight, Sight::part); // its corners are farther
 }
 
 /// Sees one piece of space as the other does.
@@ -93,7 +128,7 @@ TEST(OpenSpace, InTheBuffersOfAnotherIsAsInItsOwn) {
     for (const Camera& camera : {Camera{20, 30, 15, 15, 10, 15}, kSquare, Camera{25, 20, 15, 15, 12, 10}}) {
         const DepthImage image = scatteredSamples(camera);
         OpenSpace::Buffers own;
-        expectTheSame(OpenSpace(image, nullptr, 0, used), OpenSpace(image, nullptr, 0, own));
+        expectTheSame(OpenSpace(image, nullptr, {}, used), OpenSpace(image, nullptr, {}, own));
     }
 }
 
@@ -184,7 +219,7 @@ TEST(OpenSpaces, AreThoseOfEachImageWithTheRimThatItsPlaceGives) {
     for (const std::size_t rims : {1, 2, 100}) {
         ImageStore store(stored, 4 * rims * Rim::bytesOf(kSquare));
         std::vector<std::string> visited;
-        OpenSpaces(store, 0).forEach([&](const DepthImage& image, const OpenSpace& space) {
+        OpenSpaces(store, {}).forEach([&](const DepthImage& image, const OpenSpace& space) {
             visited.push_back(image.name);
             Rim rim(image.camera, image.worldFromCamera.rotation);
             bool isContinued = false;
@@ -195,7 +230,7 @@ TEST(OpenSpaces, AreThoseOfEachImageWithTheRimThatItsPlaceGives) {
                     rim.take(other), isContinued = true;
             EXPECT_EQ(isContinued, image.name != "4") << "only the photograph stands alone";
             OpenSpace::Buffers own;
-            expectTheSame(space, OpenSpace(image, isContinued ? &rim : nullptr, 0, own));
+            expectTheSame(space, OpenSpace(image, isContinued ? &rim : nullptr, {}, own));
             return true;
         });
         // Place by place, face by face, a layer after its face.
@@ -205,7 +240,7 @@ TEST(OpenSpaces, AreThoseOfEachImageWithTheRimThatItsPlaceGives) {
 
 TEST(OpenSpaces, EndWhereNoMoreAreWanted) {
     ImageStore store(facesOfTwoPlaces());
-    OpenSpaces spaces(store, 0);
+    OpenSpaces spaces(store, {});
     std::size_t visits = 0;
     spaces.forEach([&](const DepthImage&, const OpenSpace&) { return ++visits < 3; });
     EXPECT_EQ(visits, 3u);
