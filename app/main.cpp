@@ -398,6 +398,16 @@ bool isCommand(const CLI::App& program, const std::string& name) {
     return std::ranges::any_of(commands, [&](const CLI::App* command) { return command->check_name(name); });
 }
 
+/// The name of what a command that is asked for must be told, and was told as nothing; empty if there is none such.
+std::string emptyRequired(const CLI::App& command) {
+    for (const CLI::Option* option : command.get_options())
+        if (option->get_required() && std::ranges::find(option->results(), "") != option->results().end())
+            return option->get_name();
+    for (const CLI::App* called : command.get_subcommands())
+        if (const std::string name = emptyRequired(*called); !name.empty()) return name;
+    return {};
+}
+
 int sayWrongUsage(const std::string& what) {
     std::fprintf(stderr, "revisit: %s; run with --help for more information\n", what.c_str());
     return kWrongUsage;
@@ -432,8 +442,6 @@ int run(int argc, char** argv) {
     info->add_flag("--json", infoAsJson, "as JSON, for programs");
     info->footer("Example:\n  revisit info room.revisit --json");
 
-    for (int i = 1; i < argc; ++i)
-        if (argv[i][0] == '\0') return sayWrongUsage("an argument is empty, where a name was meant");
     if (argc > 1 && argv[1][0] != '-' && !isCommand(program, argv[1]))
         return sayWrongUsage("'" + scene::onOneLine(argv[1]) + "' is no command");
     try {
@@ -449,6 +457,7 @@ int run(int argc, char** argv) {
     } catch (const CLI::ParseError& e) {
         return program.exit(e) == 0 ? kDone : kWrongUsage;
     }
+    if (const std::string name = emptyRequired(program); !name.empty()) return sayWrongUsage(name + " is empty");
     buildOptions.redundancy.comparison = buildOptions.fusion.comparison = buildOptions.skins.comparison;
     buildOptions.redundancy.tileSize = buildOptions.pyramid.tileSize;
 
