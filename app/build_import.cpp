@@ -76,12 +76,13 @@ scene::CubeFaceOptions within(scene::CubeFaceOptions faces, std::uint64_t memory
 
 /// How many scans may be imported at a time within that memory: reading one is the work of one thread.
 std::size_t scansTogether(std::span<const scene::ScanSource> scans, std::uint64_t memoryBytes) {
-    constexpr std::uint64_t kBytesPerPoint = 48; // its faces with it
+    constexpr std::uint64_t kBytesPerPoint = 48;                // its faces with it
+    constexpr std::uint64_t kAlways = std::uint64_t{512} << 20; // faces of thinly spread points are larger than that
     std::uint64_t most = 1;
     for (const scene::ScanSource& scan : scans)
         most = std::max({most, static_cast<std::uint64_t>(std::max<std::int64_t>(scan.pointCount, 0)),
                          static_cast<std::uint64_t>(scan.rows) * static_cast<std::uint64_t>(scan.columns)});
-    const std::uint64_t room = memoryBytes / kBytesPerPoint / most;
+    const std::uint64_t room = memoryBytes / (kAlways + kBytesPerPoint * std::min(most, memoryBytes / kBytesPerPoint));
     return std::clamp(static_cast<std::size_t>(room), std::size_t{1},
                       static_cast<std::size_t>(tbb::this_task_arena::max_concurrency()));
 }
@@ -230,13 +231,12 @@ ImportedImages importImages(scene::Capture& capture, const std::vector<std::size
             tell(capture, "Scan '" + scan.name +
                               "' is denser than its images may be within --memory: where it is densest, several of its "
                               "points share a sample.");
-        const std::int64_t cells = std::int64_t{scan.rows} * scan.columns, empty = cells - scan.pointCount;
-        if (options.findUnseen && static_cast<double>(empty) > kManyWithoutRange * static_cast<double>(cells))
-            tell(capture,
-                 "Of the rays of scan '" + scan.name + "' " + std::to_string(100 * empty / cells) +
-                     " % came back with nothing, and prove nothing: what lies along them is shown as unseen, to "
-                     "eyes close beside the scanner, too. If they were cut out, or met nothing, "
-                     "--open-without-range takes them for open.");
+        const double rays = static_cast<double>(scan.rows) * static_cast<double>(scan.columns);
+        const double without = rays > 0 ? 1 - points.at("points").get<double>() / rays : 0;
+        if (options.findUnseen && without > kManyWithoutRange)
+            tell(capture, "Of the rays of scan '" + scan.name + "' " + std::to_string(static_cast<int>(100 * without)) +
+                              " % came back with nothing, and prove nothing: what lies along them is shown as unseen, "
+                              "to eyes close beside the scanner, too; --hide-unseen shows the scene without.");
         for (int axis = 0; axis < 3; ++axis)
             imported.uprightInWorld[axis] += points.at("up").at(static_cast<std::size_t>(axis)).get<double>();
     }

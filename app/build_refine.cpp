@@ -171,7 +171,7 @@ CoverageStage coverSpace(const SkinStage& skins, const BuildOptions& options, St
     if (!options.findUnseen) return stage;
     const scene::CoverOptions& o = options.coverage;
     const std::string key = keyOf({kCoverageVersion, skins.key, o.cellsPerSample, o.surfaceSamples, o.nearestMetres,
-                                   o.sight.bodyMetres, o.sight.withoutRangeMetres, o.sight.tolerance, o.maxNodes});
+                                   o.tolerance, o.bodyMetres, o.maxNodes});
     Progress progress("coverage", 3 * skins.images.size());
     const std::filesystem::path folder = store.find("coverage", key, [&](const std::filesystem::path& part) {
         scene::ImageStore images = openImagesToCover(skins.images, options);

@@ -48,6 +48,8 @@ void Desk::say(const input::DeskSays& says) {
     // A click or a key's stroke may be over before it is heard.
     wants.turn = stronger(wants.turn, was.turn), wants.climb = stronger(wants.climb, was.climb);
     wants.move = {stronger(wants.move.x, was.move.x), stronger(wants.move.y, was.move.y)};
+    // Shift means what it meant when the button was pressed.
+    if (before.picks) wants.hurries = was.hurries;
     says_.picks = says_.picks || before.picks, says_.teleports = says_.teleports || before.teleports;
 }
 

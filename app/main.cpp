@@ -125,13 +125,6 @@ void addBuild(CLI::App& program, app::BuildOptions& options, std::string& memory
         "find out which space no image observed, and show it as unseen: for scans; slow to draw without a graphics "
         "card");
     build
-        ->add_option("--open-without-range", options.coverage.sight.withoutRangeMetres,
-                     "with --coverage: along rays that came back with nothing, space counts as seen empty for so many "
-                     "metres: for scans of the open air, or with points cut "
-                     "out. Whatever gave no echo there, such as glass or black paint, is then shown as emptiness")
-        ->check(app::realRange(0.0, 1000.0))
-        ->capture_default_str();
-    build
         ->add_option("--mesh-tolerance", options.pyramid.facetTolerance,
                      "share of depth by which the adaptive mesh may leave the samples")
         ->check(app::realRange(0.0, 0.1))

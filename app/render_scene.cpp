@@ -116,14 +116,13 @@ std::vector<render::EyeImage> drawOnce(render::Renderer& renderer, std::span<con
 void sayWhatIsOlder(const std::filesystem::path& folder, const std::set<std::string>& names) {
     std::size_t older = 0;
     std::error_code ignored;
-    for (const auto& entry : std::filesystem::directory_iterator(folder, ignored)) {
-        const std::string extension = entry.path().extension().string();
-        older += (extension == ".png" || extension == ".tiff") && !names.contains(entry.path().filename().string());
+    for (std::filesystem::directory_iterator at(folder, ignored), end; !ignored && at != end; at.increment(ignored)) {
+        const std::string extension = at->path().extension().string();
+        older += (extension == ".png" || extension == ".tiff") && !names.contains(at->path().filename().string());
     }
     if (older > 0)
-        sayNote("'" + folder.string() + "' holds " + std::to_string(older) +
-                " pictures that this run did not draw, and report.json does not speak of; take another folder, or "
-                "remove them.");
+        sayNote("'" + folder.string() + "' holds pictures that this run did not draw, " + std::to_string(older) +
+                " of them: report.json does not speak of those; take another folder, or remove them.");
 }
 
 } // namespace

@@ -256,6 +256,15 @@ Box boxOf(const DepthImage& image) {
     return box;
 }
 
+/// Metres along the axis to the nearest sample, no more than its distance; infinite if there is none.
+double nearestDepthOf(const DepthImage& image) {
+    float most = 0;
+    for (int y = 0; y < image.camera.height; ++y)
+        for (int x = 0; x < image.camera.width; ++x)
+            if (isDrawable(image.flags(x, y))) most = std::max(most, image.disparity(x, y));
+    return 1 / double{most};
+}
+
 /// Breadth first: children stand side by side, in the order of their parents.
 std::vector<CoverageNode> flatten(const Growing& root) {
     std::vector<CoverageNode> nodes(1);
@@ -300,8 +309,8 @@ struct Sapling {
 
 class Growth {
   public:
-    Growth(ImageStore& images, const Region& region, const CoverOptions& options)
-        : spaces_(images, options.sight), region_(region), options_(options) {}
+    Growth(ImageStore& images, const Region& region, std::span<const double> bodies, const CoverOptions& options)
+        : spaces_(images, options.tolerance, bodies), region_(region), options_(options) {}
 
     /// All images carve all trees, until none is left that is not given up. afterImage is told how many images did.
     template <class AfterImage>
@@ -411,7 +420,12 @@ class FinestThatFits {
 Coverage cover(ImageStore& images, const CoverOptions& options, CoverFigures& figures,
                const std::function<void()>& advance) {
     std::vector<Box> boxes(images.size());
-    visitEach(images, 2, [&](std::size_t i) { boxes[i] = boxOf(*images.borrow(i)); }); // and places of some samples
+    std::vector<double> bodies(images.size());
+    visitEach(images, 2, [&](std::size_t i) { // and places of some samples
+        const ImageStore::Lease image = images.borrow(i);
+        boxes[i] = boxOf(*image);
+        bodies[i] = std::min(options.bodyMetres, nearestDepthOf(*image));
+    });
     Box all;
     for (const Box& box : boxes)
         if (!box.isEmpty()) all.include(box.least), all.include(box.most);
@@ -422,8 +436,8 @@ Coverage cover(ImageStore& images, const CoverOptions& options, CoverFigures& fi
         region.edge = std::max(1.1 * std::max({size.x, size.y, size.z}), 1e-3);
     }
     figures.cellsPerSample = options.cellsPerSample;
-    const Growing root =
-        FinestThatFits(Growth(images, region, options), images.size(), options, advance).grow(figures.cellsPerSample);
+    const Growing root = FinestThatFits(Growth(images, region, bodies, options), images.size(), options, advance)
+                             .grow(figures.cellsPerSample);
     Coverage coverage{region.centre - glm::dvec3(region.edge / 2), region.edge, flatten(root)};
     figures.nodes = coverage.nodes.size();
     figures.finestMetres = finestCellOf(coverage);

@@ -10,7 +10,6 @@
 
 #include "scene/coverage.h"
 #include "scene/image_store.h"
-#include "scene/refine/open_space.h"
 
 #include <cstdint>
 #include <functional>
@@ -21,8 +20,9 @@ struct CoverOptions {
     double cellsPerSample = 1;  ///< smallest cells, where seen space ends in the open: so many to a sample's spacing
     double surfaceSamples = 2;  ///< largest cells where it ends at a surface: so many samples wide
     double nearestMetres = 0.5; ///< nearer to a camera, cells do not become smaller
-    /// tolerance: how much farther than its sample a surface may be.
-    SightOptions sight{.tolerance = 0.002f, .bodyMetres = 0.2, .withoutRangeMetres = 0};
+    float tolerance = 0.002f;   ///< relative; how much farther than its sample a surface may be
+    /// About a camera space is empty so far, or to its nearest sample, whatever its rays met: there it stood.
+    double bodyMetres = 0.2;
     /// What would take more, or twice as many on the way, is kept coarser: half as fine, until it fits.
     std::size_t maxNodes = 2 << 20;
 };
@@ -37,7 +37,7 @@ struct CoverFigures {
 
 /// Coverage of the cube about all samples and cameras, from images whose skins are marked (refine/skins.h). advance is
 /// called for each image, thrice. The same tree on any number of threads. No image: a cube of a metre that
-/// nobody observed.
+/// nobody observed, and no figures.
 Coverage cover(ImageStore& images, const CoverOptions& options, CoverFigures& figures,
                const std::function<void()>& advance = {});
 

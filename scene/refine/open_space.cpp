@@ -18,6 +18,9 @@ constexpr float kNothing = RayEnd::kNothing;
 /// as the nearest of theirs. A sample among fewer, itself counted, proves nothing.
 constexpr int kFewAbout = 4;
 
+/// Of the camera's body: half the diagonal of the smallest boxes that are asked whether it stood in parts of them.
+constexpr double kBodyShare = 1.0 / 16;
+
 } // namespace
 
 inline OpenSpace::Span OpenSpace::Level::spanOf(int left, int top, int right, int bottom) const {
@@ -26,12 +29,12 @@ inline OpenSpace::Span OpenSpace::Level::spanOf(int left, int top, int right, in
     for (int y = top; y <= bottom; ++y) {
         const Span* row = &at(left, y);
         for (int x = 0; x <= right - left; ++x) {
-            nearest = std::max(nearest, row[x].nearest.disparity());
+            nearest = std::max(nearest, row[x].nearest);
             farthest = std::min(farthest, row[x].farthest.disparity());
-            hasEdge |= row[x].farthest.isMarked();
+            hasEdge |= row[x].farthest.hasEdge();
         }
     }
-    return {{nearest, false}, {farthest, hasEdge}};
+    return {nearest, {farthest, hasEdge}};
 }
 
 std::size_t OpenSpace::Buffers::bytesOf(const Camera& camera, int margin) {
@@ -40,9 +43,9 @@ std::size_t OpenSpace::Buffers::bytesOf(const Camera& camera, int margin) {
     return samples * (6 * sizeof(End) + 4 * sizeof(Span)) / 3; // coarser levels are a third of the finest
 }
 
-OpenSpace::OpenSpace(const DepthImage& image, const Rim* rim, const SightOptions& options, Buffers& buffers)
+OpenSpace::OpenSpace(const DepthImage& image, const Rim* rim, float tolerance, double bodyMetres, Buffers& buffers)
     : camera_(rim ? rim->widened() : image.camera), focal_(std::max(image.camera.fx, image.camera.fy)),
-      options_(options), buffers_(buffers) {
+      tolerance_(tolerance), bodyMetres_(bodyMetres), buffers_(buffers) {
     const auto longest = static_cast<unsigned>(std::max(camera_.width, camera_.height));
     buffers_.levels.resize(static_cast<std::size_t>(std::bit_width(longest - 1)) + 1);
     for (std::size_t level = 0; level < buffers_.levels.size(); ++level) {
@@ -112,23 +115,15 @@ void OpenSpace::widenToPatches() {
     const auto isJoined = [&](int x, int y, int alongX) {
         if (x < 0 || y < 0 || x + alongX >= width || y + 1 - alongX >= height) return false;
         const int before = alongX == 1 ? y - 1 : x - 1;
-        return !at(x, y).isMarked() || (before >= 0 && !(alongX == 1 ? at(x, before) : at(before, y)).isMarked());
+        return !at(x, y).hasEdge() || (before >= 0 && !(alongX == 1 ? at(x, before) : at(before, y)).hasEdge());
     };
     tbb::parallel_for(0, height, [&](int y) {
         for (int x = 0; x < width; ++x) {
             Span& patch = buffers_.levels[0].spans[indexOf(x, y)];
             const End end = at(x, y);
             const float own = end.disparity();
-            if (!(own < kNothing)) {
-                // Metres along the ray, whatever its slope.
-                const double perMetre = glm::length(rayThrough(camera_, x + 0.5, y + 0.5));
-                const float unproved = buffers_.ends[indexOf(x, y)].disparity(); // of a sample that stands alone
-                float open = kNothing;
-                if (options_.withoutRangeMetres > 0) open = static_cast<float>(perMetre / options_.withoutRangeMetres);
-                if (unproved < kNothing) open = std::max(open, unproved);
-                patch = {{open, true}, {open, true}};
-                continue;
-            }
+            patch = {own, end};
+            if (!(own < kNothing)) continue;
             float reach = 0;
             for (const int alongX : {0, 1}) {
                 float steps = 0;
@@ -140,7 +135,7 @@ void OpenSpace::widenToPatches() {
                 }
                 reach += steps / 2;
             }
-            patch = {{own + reach, false}, {std::max(own - reach, 0.0f), end.isMarked()}};
+            patch = {own + reach, {std::max(own - reach, 0.0f), end.hasEdge()}};
         }
     });
 }
@@ -190,9 +185,9 @@ bool OpenSpace::holdsSample(const BoxInCamera& box) const {
 bool OpenSpace::holdsSampleBelow(const Rectangle& in, std::size_t level, int x, int y, float boxNear,
                                  float boxFar) const {
     const Span& span = buffers_.levels[level].at(x, y);
-    const float nearest = span.nearest.disparity();
-    if (!(nearest > 0 && nearest >= boxFar && span.farthest.disparity() <= boxNear)) return false; // none of it does
-    if (level == 0) return !span.nearest.isMarked();
+    if (!(span.nearest > 0 && span.nearest >= boxFar && span.farthest.disparity() <= boxNear))
+        return false; // none of it does
+    if (level == 0) return span.nearest < kNothing;
     const std::size_t finer = level - 1;
     for (int fy = std::max(2 * y, in.top >> finer); fy <= std::min(2 * y + 1, in.bottom >> finer); ++fy)
         for (int fx = std::max(2 * x, in.left >> finer); fx <= std::min(2 * x + 1, in.right >> finer); ++fx)
@@ -208,11 +203,12 @@ std::size_t OpenSpace::levelOf(const Rectangle& in) {
 }
 
 BoxSight OpenSpace::look(const BoxInCamera& box) const {
-    const double body = options_.bodyMetres;
-    if (body > 0 && glm::length(glm::abs(box.centre) + box.half) <= body) return {Sight::all, false};
+    if (bodyMetres_ > 0 && glm::length(glm::abs(box.centre) + box.half) <= bodyMetres_) return {Sight::all, false};
     BoxSight sight = lookPastBody(box);
-    const bool isInReach = glm::length(glm::max(glm::abs(box.centre) - box.half, glm::dvec3(0))) < body;
-    if (sight.sight == Sight::none && isInReach) sight = {Sight::part, true};
+    const bool isInReach = glm::length(glm::max(glm::abs(box.centre) - box.half, glm::dvec3(0))) < bodyMetres_;
+    // The body's rim is nothing that anybody saw: no cell is divided for it below a share of its size.
+    const bool isLarge = glm::length(box.half) > kBodyShare * bodyMetres_;
+    if (sight.sight == Sight::none && isInReach && isLarge) sight = {Sight::part, true};
     return sight;
 }
 
@@ -234,10 +230,10 @@ BoxSight OpenSpace::lookPastBody(const BoxInCamera& box) const {
     const auto boxNear = static_cast<float>(overNear), boxFar = static_cast<float>(overFar);
     BoxSight sight;
     const Span span = pyramid.spanOf(in.left >> level, in.top >> level, in.right >> level, in.bottom >> level);
-    sight.hasEdge = !in.isWhole || span.farthest.isMarked();
-    if (boxNear < span.farthest.disparity() * (1 - options_.tolerance))
+    sight.hasEdge = !in.isWhole || span.farthest.hasEdge();
+    if (boxNear < span.farthest.disparity() * (1 - tolerance_))
         sight.sight = Sight::none;
-    else if (in.isWhole && boxFar > span.nearest.disparity())
+    else if (in.isWhole && boxFar > span.nearest)
         sight.sight = Sight::all;
     else
         sight.sight = Sight::part;

@@ -28,31 +28,24 @@ struct BoxSight {
     bool hasEdge = false; ///< a silhouette, a drop-out or the image's border is seen within it: space may end openly
 };
 
-struct SightOptions {
-    float tolerance = 0;   ///< relative difference in disparity by which a sample's surface may be farther than it says
-    double bodyMetres = 0; ///< so far about a camera space is open, whatever it saw: there it stood
-    /// Along rays that prove nothing space is taken to be open so far; no farther than to their own samples, if they
-    /// have any.
-    double withoutRangeMetres = 0;
-};
-
 /// A ray is open up to its sample's surface, without end at disparity 0 (sky), up to a guess of range; where no range
 /// was measured and none guessed, or others saw through the sample, it proves nothing.
 class OpenSpace {
-    /// A disparity, infinite where nothing is proved, and a mark. None is negative: the sign says the mark.
+    /// A disparity, infinite where nothing is proved, and whether an edge is seen there. None is negative: the sign
+    /// says the other.
     class End {
       public:
         End() = default;
-        End(float disparity, bool isMarked) : kept_(std::copysign(disparity, isMarked ? -1.f : 1.f)) {}
+        End(float disparity, bool hasEdge) : kept_(std::copysign(disparity, hasEdge ? -1.f : 1.f)) {}
         float disparity() const { return std::abs(kept_); }
-        bool isMarked() const { return std::signbit(kept_); }
+        bool hasEdge() const { return std::signbit(kept_); }
 
       private:
         float kept_ = 0;
     };
     struct Span {
-        End nearest;  ///< most of the open ends' disparities; of a single ray marked if no sample ends it
-        End farthest; ///< least of them; marked if any has an edge
+        float nearest; ///< disparity: most of the open ends
+        End farthest;  ///< least of them; whether any has an edge
     };
     struct Level {
         int width = 0, height = 0;
@@ -73,13 +66,15 @@ class OpenSpace {
       private:
         friend class OpenSpace;
         std::vector<Level> levels;     ///< finest first
-        std::vector<End> ends, closed; ///< of samples, as they are and with gaps closed; marked: an edge
+        std::vector<End> ends, closed; ///< of samples, as they are and with gaps closed
     };
 
     /// rim: null, or what the other faces of the image's scan saw past its borders, so that no border runs through
     /// space that the scan saw whole.
+    /// tolerance: relative difference in disparity by which a sample's surface may be farther than it says.
+    /// bodyMetres: so far about the camera space is open on all sides, whatever it saw: there it stood.
     /// buffers: of no other that is still looked at; what is made in them is valid until the next is.
-    OpenSpace(const DepthImage& image, const Rim* rim, const SightOptions& options, Buffers& buffers);
+    OpenSpace(const DepthImage& image, const Rim* rim, float tolerance, double bodyMetres, Buffers& buffers);
     OpenSpace(const OpenSpace&) = delete;
     OpenSpace& operator=(const OpenSpace&) = delete;
 
@@ -113,7 +108,8 @@ class OpenSpace {
 
     Camera camera_; ///< with the rim's margin
     double focal_ = 1;
-    SightOptions options_;
+    float tolerance_;
+    double bodyMetres_;
     Buffers& buffers_;
 };
 

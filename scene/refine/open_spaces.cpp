@@ -25,19 +25,22 @@ std::vector<std::size_t> spreadOrder(std::size_t count) {
 
 } // namespace
 
-OpenSpaces::OpenSpaces(ImageStore& images, const SightOptions& options) : images_(images), options_(options) {
+OpenSpaces::OpenSpaces(ImageStore& images, float tolerance, std::span<const double> bodies)
+    : images_(images), tolerance_(tolerance) {
     std::vector<Place> places;
     std::map<std::array<double, 3>, std::size_t> placeAt;
     for (std::size_t i = 0; i < images.size(); ++i) {
         const StoredImage& image = images.at(i);
         const glm::dvec3& p = image.worldFromCamera.translation;
         const auto [entry, isNew] = placeAt.try_emplace({p.x, p.y, p.z}, places.size());
-        if (isNew) places.emplace_back();
+        if (isNew) places.push_back({{}, bodies[i]});
         Place& place = places[entry->second];
+        place.bodyMetres = std::min(place.bodyMetres, bodies[i]);
         const glm::dmat3& rotation = image.worldFromCamera.rotation;
-        auto face = std::ranges::find_if(
-            place, [&](const Face& other) { return other.camera == image.camera && other.worldFromFace == rotation; });
-        if (face == place.end()) face = place.insert(place.end(), {image.camera, rotation, {}});
+        auto face = std::ranges::find_if(place.faces, [&](const Face& other) {
+            return other.camera == image.camera && other.worldFromFace == rotation;
+        });
+        if (face == place.faces.end()) face = place.faces.insert(place.faces.end(), {image.camera, rotation, {}});
         face->images.push_back(i);
     }
     for (const std::size_t i : spreadOrder(places.size()))
@@ -57,19 +60,19 @@ void OpenSpaces::forEach(const Visit& visit) {
 }
 
 bool OpenSpaces::visitPlace(const Place& place, const Visit& visit) {
-    for (std::size_t first = 0, end = 0; first < place.size(); first = end) {
+    const std::vector<Face>& faces = place.faces;
+    for (std::size_t first = 0, end = 0; first < faces.size(); first = end) {
         std::size_t bytes = 0;
         do
-            bytes += Rim::bytesOf(place[end++].camera);
-        while (end < place.size() && bytes + Rim::bytesOf(place[end].camera) <= images_.budgetBytes() / kRimsShare);
+            bytes += Rim::bytesOf(faces[end++].camera);
+        while (end < faces.size() && bytes + Rim::bytesOf(faces[end].camera) <= images_.budgetBytes() / kRimsShare);
         const std::vector<std::optional<Rim>> rims = rimsOf(place, first, end);
         for (std::size_t f = first; f < end; ++f)
-            for (const std::size_t i : place[f].images) {
+            for (const std::size_t i : faces[f].images) {
                 const ImageStore::Lease image = images_.borrow(i);
                 const std::optional<Rim>& rim = rims[f - first];
-                SightOptions options = options_;
-                if (i != place[f].images.front()) options.withoutRangeMetres = 0;
-                if (!visit(*image, OpenSpace(*image, rim ? &*rim : nullptr, options, buffers_))) return false;
+                if (!visit(*image, OpenSpace(*image, rim ? &*rim : nullptr, tolerance_, place.bodyMetres, buffers_)))
+                    return false;
             }
     }
     return true;
@@ -80,9 +83,10 @@ std::vector<std::optional<Rim>> OpenSpaces::rimsOf(const Place& place, std::size
     std::map<std::size_t, std::vector<std::size_t>> facesShownBy;
     std::vector<std::optional<Rim>> rims(end - first);
     for (std::size_t f = first; f < end; ++f)
-        for (const Face& other : place) {
-            if (!Rim::mayShow(place[f].camera, place[f].worldFromFace, other.camera, other.worldFromFace)) continue;
-            if (!rims[f - first]) rims[f - first].emplace(place[f].camera, place[f].worldFromFace);
+        for (const Face& other : place.faces) {
+            if (!Rim::mayShow(place.faces[f].camera, place.faces[f].worldFromFace, other.camera, other.worldFromFace))
+                continue;
+            if (!rims[f - first]) rims[f - first].emplace(place.faces[f].camera, place.faces[f].worldFromFace);
             for (const std::size_t i : other.images)
                 facesShownBy[i].push_back(f - first);
         }

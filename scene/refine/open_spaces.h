@@ -15,9 +15,9 @@ namespace scene {
 /// once to be looked at, and once for as many rims of its place as there is room for, not once for each.
 class OpenSpaces {
   public:
-    /// Where several images have the same rays, withoutRangeMetres is for the first alone: the others hold what lies in
-    /// further layers, and nothing elsewhere.
-    OpenSpaces(ImageStore& images, const SightOptions& options);
+    /// tolerance: of OpenSpace. bodies: of each image, metres (OpenSpace's bodyMetres); of those from one place the
+    /// least counts for all.
+    OpenSpaces(ImageStore& images, float tolerance, std::span<const double> bodies);
 
     /// Both are valid until it returns. False: no further image is wanted.
     using Visit = std::function<bool(const DepthImage&, const OpenSpace&)>;
@@ -36,14 +36,17 @@ class OpenSpaces {
         glm::dmat3 worldFromFace{1.0};
         std::vector<std::size_t> images;
     };
-    using Place = std::vector<Face>;
+    struct Place {
+        std::vector<Face> faces;
+        double bodyMetres = 0;
+    };
     bool visitPlace(const Place& place, const Visit& visit);
     /// Of those faces; none where no other face may show anything of it.
     std::vector<std::optional<Rim>> rimsOf(const Place& place, std::size_t first, std::size_t end);
 
     ImageStore& images_;
     std::vector<Place> places_;
-    SightOptions options_;
+    float tolerance_;
     OpenSpace::Buffers buffers_;
 };
 

@@ -98,28 +98,6 @@ TEST_F(Scans, StandWhereTheFileSaysUnlessAsked) {
         EXPECT_EQ(glm::length(poseOf(image.at("world_from_camera")).translation), 0);
 }
 
-TEST_F(Scans, RaysWithoutRangeAreOpenWhereSomebodySaysSo) {
-    const auto figuresWith = [&](const std::vector<std::string>& further) {
-        std::vector<std::string> command{
-            kRevisit, "build",     path("capture/scans.e57"), "-o", path("open.revisit"), "--register",
-            "given",  "--coverage"};
-        command.insert(command.end(), further.begin(), further.end());
-        const Outcome built = run(command, folder());
-        EXPECT_EQ(built.status, 0) << built.output;
-        return readJson(path("open.revisit") + "/scene.json").at("figures");
-    };
-    // The scanner sees nothing right below itself, but for the floor beyond that.
-    const json closed = figuresWith({}), open = figuresWith({"--open-without-range", "1"});
-    const auto number = [](const json& figures, const char* key) { return figures.at(key).get<double>(); };
-    EXPECT_GT(number(open, "coverage_empty_m3"), number(closed, "coverage_empty_m3") + 0.01);
-    EXPECT_LT(number(open, "coverage_unseen_m3"), number(closed, "coverage_unseen_m3") - 0.01);
-    const auto whole = [&](const json& figures) {
-        return number(figures, "coverage_empty_m3") + number(figures, "coverage_unseen_m3") +
-               number(figures, "coverage_surface_m3");
-    };
-    EXPECT_NEAR(whole(open), whole(closed), 1e-6) << "the box is the same";
-}
-
 TEST_F(Scans, TakeAPersonsWordForThePlanesTheyShare) {
     // Places of the room on its ceiling and two walls, as either scanner has them.
     const json truth = readJson(path("capture/truth.json")).at("scans");

@@ -323,7 +323,6 @@ TEST_F(Walk, WrongUsageIsTwoAndWhatCannotBeDoneIsOne) {
         {{kRevisit, "build", capture(), "-o", ""}, 2, "is empty"},
         {{kRevisit, "build", "", "-o", path("x.revisit")}, 2, "INPUT is empty"},
         {{kRevisit, "render", room, "--out", ""}, 2, "--out is empty"},
-        {{kRevisit, "build", capture(), "-o", path("x.revisit"), "--open-without-range", "-1"}, 2, "--open-without"},
         {{kRevisit, "build", capture(), "-o", path("x.revisit"), "--scanner", "x.json"}, 1, "is for laser scans"},
         {{kRevisit, "build", capture(), "-o", path("x.revisit"), "--register", "x.json"}, 1, "about laser scans"},
         {{kRevisit, "build", capture(), "-o", path("x.revisit"), "--memory", "lots"}, 2, "--memory"},

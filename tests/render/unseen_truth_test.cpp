@@ -79,7 +79,7 @@ Place scanPlace(scene::SyntheticScene truth, std::size_t scans) {
 }
 
 /// Where a scanner stood space is empty, whatever its rays met.
-constexpr double kBodyMetres = scene::CoverOptions{}.sight.bodyMetres;
+constexpr double kBodyMetres = scene::CoverOptions{}.bodyMetres;
 
 /// The scans' own spacing, radians; cells of the grid are as wide as they are high.
 constexpr double kSpacing = 2 * 3.14159265358979 / kColumns;

@@ -5,6 +5,7 @@
 #include "tests/scene/stored_images.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <random>
 
@@ -14,6 +15,7 @@
 namespace scene {
 namespace {
 
+constexpr std::array<double, 8> kNoBodies{};  ///< of facesOfTwoPlaces
 const Camera kSquare{48, 48, 24, 24, 24, 24}; // 90 degrees: a face of a cube
 
 /// Each at its own disparity or infinitely far, and joined to none: its patch is as thick as nothing.
@@ -55,7 +57,7 @@ TEST(OpenSpace, HoldsASampleWhereOneIs) {
     const Camera camera{100, 60, 50, 40, 47, 33};
     const DepthImage image = scatteredSamples(camera);
     OpenSpace::Buffers buffers;
-    const OpenSpace space(image, nullptr, {}, buffers);
+    const OpenSpace space(image, nullptr, 0, 0, buffers);
     std::mt19937 random(1);
     const auto between = [&](double least, double most) {
         return std::uniform_real_distribution<double>(least, most)(random);
@@ -73,35 +75,14 @@ TEST(OpenSpace, HoldsASampleWhereOneIs) {
     EXPECT_LT(holding, 9 * kBoxes / 10);
 }
 
-TEST(OpenSpace, WithoutRangeItIsOpenAsFarAsIsSaid) {
-    DepthImage image = imageOf(kSquare, {}, [](double, double) { return 0.5f; });
-    for (int y = 0; y < kSquare.height; ++y)
-        for (int x = 0; x < kSquare.width / 2; ++x)
-            image.flags(x, y) = kNoSurface;
-    OpenSpace::Buffers buffers;
-    const OpenSpace space(image, nullptr, {.withoutRangeMetres = 0.2}, buffers);
-    const auto boxAt = [](double x, double metres) { // in that direction, so far from the camera
-        const glm::dvec3 ray(x, 0.1, 1);
-        return BoxInCamera{metres / glm::length(ray) * ray, glm::dvec3(0.005)};
-    };
-    for (const double x : {-0.9, -0.5, -0.2}) {
-        EXPECT_EQ(space.look(boxAt(x, 0.18)).sight, Sight::all) << x;
-        EXPECT_EQ(space.look(boxAt(x, 0.2)).sight, Sight::part) << x;
-        EXPECT_EQ(space.look(boxAt(x, 0.22)).sight, Sight::none) << x;
-        EXPECT_FALSE(space.holdsSample(boxAt(x, 0.2))) << x; // there is nothing
-    }
-    for (const double x : {0.2, 0.9})
-        EXPECT_EQ(space.look(boxAt(x, 1)).sight, Sight::all) << x;
-    EXPECT_TRUE(space.holdsSample(boxAt(0.5, 2 * glm::length(glm::dvec3(0.5, 0.1, 1)))));
-}
-
 TEST(OpenSpace, WhereTheCameraStoodIsOpenOnAllSides) {
     const DepthImage image = imageOf(kSquare, {}, [](double, double) { return 0.5f; });
     OpenSpace::Buffers buffers;
-    const OpenSpace space(image, nullptr, {.bodyMetres = 0.2}, buffers);
+    const OpenSpace space(image, nullptr, 0, 0.2, buffers);
     for (const glm::dvec3& side : {glm::dvec3(1, 0, 0), glm::dvec3(0, -1, 0), glm::dvec3(0, 0, -1)}) {
         EXPECT_EQ(space.look({0.18 * side, glm::dvec3(0.005)}).sight, Sight::all);
-        EXPECT_EQ(space.look({0.2 * side, glm::dvec3(0.005)}).sight, Sight::part);
+        EXPECT_EQ(space.look({0.2 * side, glm::dvec3(0.02)}).sight, Sight::part);
+        EXPECT_EQ(space.look({0.2 * side, glm::dvec3(0.005)}).sight, Sight::none) << "its rim is told by larger boxes";
         EXPECT_EQ(space.look({0.3 * side, glm::dvec3(0.005)}).sight, Sight::none);
     }
     EXPECT_EQ(space.look({glm::dvec3(0), glm::dvec3(0.1)}).sight, Sight::all);
@@ -128,7 +109,7 @@ TEST(OpenSpace, InTheBuffersOfAnotherIsAsInItsOwn) {
     for (const Camera& camera : {Camera{20, 30, 15, 15, 10, 15}, kSquare, Camera{25, 20, 15, 15, 12, 10}}) {
         const DepthImage image = scatteredSamples(camera);
         OpenSpace::Buffers own;
-        expectTheSame(OpenSpace(image, nullptr, {}, used), OpenSpace(image, nullptr, {}, own));
+        expectTheSame(OpenSpace(image, nullptr, 0, 0, used), OpenSpace(image, nullptr, 0, 0, own));
     }
 }
 
@@ -219,7 +200,7 @@ TEST(OpenSpaces, AreThoseOfEachImageWithTheRimThatItsPlaceGives) {
     for (const std::size_t rims : {1, 2, 100}) {
         ImageStore store(stored, 4 * rims * Rim::bytesOf(kSquare));
         std::vector<std::string> visited;
-        OpenSpaces(store, {}).forEach([&](const DepthImage& image, const OpenSpace& space) {
+        OpenSpaces(store, 0, kNoBodies).forEach([&](const DepthImage& image, const OpenSpace& space) {
             visited.push_back(image.name);
             Rim rim(image.camera, image.worldFromCamera.rotation);
             bool isContinued = false;
@@ -230,7 +211,7 @@ TEST(OpenSpaces, AreThoseOfEachImageWithTheRimThatItsPlaceGives) {
                     rim.take(other), isContinued = true;
             EXPECT_EQ(isContinued, image.name != "4") << "only the photograph stands alone";
             OpenSpace::Buffers own;
-            expectTheSame(space, OpenSpace(image, isContinued ? &rim : nullptr, {}, own));
+            expectTheSame(space, OpenSpace(image, isContinued ? &rim : nullptr, 0, 0, own));
             return true;
         });
         // Place by place, face by face, a layer after its face.
@@ -240,7 +221,7 @@ TEST(OpenSpaces, AreThoseOfEachImageWithTheRimThatItsPlaceGives) {
 
 TEST(OpenSpaces, EndWhereNoMoreAreWanted) {
     ImageStore store(facesOfTwoPlaces());
-    OpenSpaces spaces(store, {});
+    OpenSpaces spaces(store, 0, kNoBodies);
     std::size_t visits = 0;
     spaces.forEach([&](const DepthImage&, const OpenSpace&) { return ++visits < 3; });
     EXPECT_EQ(visits, 3u);
