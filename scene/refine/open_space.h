@@ -78,7 +78,8 @@ class OpenSpace {
     OpenSpace(const OpenSpace&) = delete;
     OpenSpace& operator=(const OpenSpace&) = delete;
 
-    /// Conservative: all and none hold for every point of the box.
+    /// Conservative: all and none hold for every point of the box; but at the rim of the camera's body none may be said
+    /// of a small box that is open in part.
     BoxSight look(const BoxInCamera& box) const;
 
     /// Whether a sample's surface lies in the box; goes down to the samples seen through it.
