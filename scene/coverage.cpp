@@ -1,5 +1,6 @@
 #include "scene/coverage.h"
 
+#include "scene/coverage_levels.h"
 #include "scene/errors.h"
 #include "scene/mapped_file.h"
 
@@ -7,7 +8,6 @@
 #include <cmath>
 #include <cstring>
 #include <fstream>
-#include <functional>
 #include <span>
 
 #include <glm/common.hpp>
@@ -60,17 +60,6 @@ void checkNodes(const std::vector<CoverageNode>& nodes, const std::filesystem::p
         next += count;
     }
     if (next != nodes.size()) throw Failure("has nodes that belong to none", path, kBuildAgain);
-}
-
-void forEachCell(const Coverage& coverage, std::size_t index, double edge,
-                 const std::function<void(Observed, std::uint64_t, double)>& visit) {
-    const CoverageNode& node = coverage.nodes[index];
-    const double cell = edge / kCoverageBranching;
-    visit(Observed::unseen, node.unseen, cell);
-    visit(Observed::surface, node.surface, cell);
-    visit(Observed::empty, ~(node.unseen | node.surface | node.children), cell);
-    for (std::uint32_t i = 0; i < static_cast<std::uint32_t>(std::popcount(node.children)); ++i)
-        forEachCell(coverage, node.firstChild + i, cell, visit);
 }
 
 /// Of a cell without children.
@@ -139,11 +128,7 @@ std::array<double, 3> volumesOf(const Coverage& coverage, const glm::dvec3& low,
 }
 
 double finestCellOf(const Coverage& coverage) {
-    double finest = coverage.edgeMetres;
-    forEachCell(coverage, 0, coverage.edgeMetres, [&](Observed, std::uint64_t cells, double edge) {
-        finest = cells != 0 ? std::min(finest, edge) : finest;
-    });
-    return finest;
+    return cellOfLevels(coverage, levelsOf(coverage));
 }
 
 void writeCoverage(const Coverage& coverage, const std::filesystem::path& path) {

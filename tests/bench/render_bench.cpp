@@ -4,6 +4,7 @@
 
 #include "render/renderer.h"
 #include "tests/bench/bare_scatter.h"
+#include "tests/bench/device_time.h"
 #include "tests/render/test_scenes.h"
 
 #include <benchmark/benchmark.h>
@@ -37,10 +38,7 @@ double millisecondsOf(Work&& work) {
 constexpr double kNever = std::numeric_limits<double>::max();
 
 double warpTime(const FrameStats& stats) {
-    double sum = 0;
-    for (const StepTime& time : stats.gpu)
-        if (std::strcmp(time.step, "warp") == 0) sum += time.milliseconds;
-    return sum;
+    return deviceTimeOf(stats, "warp");
 }
 
 /// Two million samples in 2000 tiles; the eye sees about a third.

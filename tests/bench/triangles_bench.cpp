@@ -7,6 +7,7 @@
 #include "render/renderer.h"
 #include "scene/median.h"
 #include "scene/srgb.h"
+#include "tests/bench/device_time.h"
 #include "tests/bench/given_scene.h"
 #include "tests/render/test_scenes.h"
 
@@ -14,7 +15,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cstring>
 #include <map>
 #include <span>
 #include <string>
@@ -51,25 +51,17 @@ scene::PolygonScene trianglesOf(std::span<const scene::TileBlock> blocks) {
     scene::PolygonScene scene;
     scene.materials.push_back({"samples", glm::vec3(1)});
     for (const scene::TileBlock& block : blocks) {
-        glm::dmat4 worldFromCamera(block.worldFromCamera.rotation);
-        worldFromCamera[3] = glm::dvec4(block.worldFromCamera.translation, 1);
         for (std::size_t first = 0; first < block.tiles.size(); first += kTilesTogether) {
             scene::PolygonMesh mesh;
             for (std::size_t i = first; i < std::min(first + kTilesTogether, block.tiles.size()); ++i)
                 if (scene::isForAllEyes(block.tiles[i].tier)) addSquares(mesh, block, block.tiles[i]);
             if (mesh.triangles.empty()) continue;
-            scene.instances.push_back({static_cast<std::uint32_t>(scene.meshes.size()), worldFromCamera});
+            scene.instances.push_back(
+                {static_cast<std::uint32_t>(scene.meshes.size()), toMatrix(block.worldFromCamera)});
             scene.meshes.push_back(std::move(mesh));
         }
     }
     return scene;
-}
-
-double deviceTimeOf(const FrameStats& stats, const char* step) {
-    double sum = 0;
-    for (const StepTime& time : stats.gpu)
-        if (std::strcmp(time.step, step) == 0) sum += time.milliseconds;
-    return sum;
 }
 
 constexpr int kPlaces = 24; ///< along the capture
