@@ -14,7 +14,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr int kRefineVersion = 9, kTilesVersion = 5, kCoverageVersion = 3;
+constexpr int kRefineVersion = 10, kTilesVersion = 5, kCoverageVersion = 3;
 
 json describe(const scene::ComparisonOptions& o) {
     return {o.sameSurface, o.pixelError};

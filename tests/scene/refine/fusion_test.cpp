@@ -1,4 +1,5 @@
 #include "scene/refine/fusion.h"
+#include "scene/synthetic_model.h"
 #include "scene/synthetic_random.h"
 
 #include "tests/scene/known_scenes.h"
@@ -103,6 +104,50 @@ TEST(Fusion, OfTrueImagesStaysTrueAndDoesNotSmearSilhouettes) {
                 off += std::abs(fused.disparity(x, y) - d) > 0.001f * d;
             }
         EXPECT_LT(off, 160 * 120 / 40) << "image " << self;
+    }
+}
+
+/// A frame of 4 cm on a wall (y = 0), in the plane z = 1.3.
+constexpr glm::dvec3 kFrameLow{1, 0, 1}, kFrameHigh{1.5, 0.04, 1.6};
+
+SyntheticScene frameOnWall() {
+    SyntheticModel model;
+    const int grey = addMaterial(model, {Pattern::mottled, glm::dvec3(0.8), glm::dvec3(0.7), 0.7, 3});
+    addRectangle(model, {-4, 0, 0}, {0, 0, 3}, {9, 0, 0}, grey);
+    addBox(model, Pose{}, kFrameLow, kFrameHigh, grey);
+    model.lamps.push_back({{0, 3, 2.9}, {0, 1, 0}, {1, 0, 0}, glm::dvec3(3.0)});
+    return SyntheticScene(std::move(model));
+}
+
+/// Metres from wall and frame, whichever is nearer.
+double offFrameAndWall(const glm::dvec3& p) {
+    const glm::dvec3 beyond = glm::max(glm::max(kFrameLow - p, p - kFrameHigh), glm::dvec3(0.0));
+    const glm::dvec3 within = glm::min(p - kFrameLow, kFrameHigh - p);
+    const double frame = glm::length(beyond) > 0 ? glm::length(beyond) : std::min({within.x, within.y, within.z});
+    return std::min(frame, std::abs(p.y));
+}
+
+TEST(Fusion, WhatIsSeenAcrossDoesNotMoveItAlong) {
+    // One looks along the wall, the others from before it: rays of one run along what another sees well.
+    const SyntheticScene scene = frameOnWall();
+    const std::vector<DepthImage> images{renderTruth(scene, viewFrom({0.3, 0.3, 1.3}, {1.2, 0.05, 1.3})),
+                                         renderTruth(scene, viewFrom({-0.8, 2.2, 1.4}, {1.2, 0, 1.3})),
+                                         renderTruth(scene, viewFrom({2.4, 1.6, 1.5}, {1.2, 0, 1.3}))};
+    ImageStore store(images);
+    for (std::size_t i = 0; i < images.size(); ++i) {
+        const DepthImage fused = fuse(store, i, allBut(images.size(), i), keepAll(), {});
+        double worst = 0;
+        int off = 0;
+        for (int y = 0; y < 120; ++y)
+            for (int x = 0; x < 160; ++x) {
+                if (!isSurface(fused.flags(x, y))) continue;
+                const double metres =
+                    offFrameAndWall(pointInWorld(fused, x + 0.5, y + 0.5, static_cast<double>(fused.disparity(x, y))));
+                worst = std::max(worst, metres);
+                off += metres > 0.002;
+            }
+        EXPECT_LT(worst, 0.005) << "image " << i;
+        EXPECT_LT(off, 5) << "image " << i;
     }
 }
 
