@@ -3,11 +3,15 @@
 #include "app/build_stages.h"
 #include "app/progress.h"
 #include "app/say.h"
+#include "app/scene_folder.h"
 #include "scene/align/scanner_file.h"
 #include "scene/errors.h"
 #include "scene/import/importer.h"
 #include "scene/import/scan_photos.h"
 #include "scene/unfinished_file.h"
+
+#include <algorithm>
+#include <iterator>
 
 namespace app {
 
@@ -54,6 +58,37 @@ void checkLaid(const scene::HeldOut& heldOut, const PhotographStage& photographs
                              "name others, or take them as the file has them with --register given");
 }
 
+/// Images whose poses are right see through few of each other's samples: at most 2.5 % of any capture that we have.
+void sayIfContradictory(const scene::SkinFigures& figures, const BuildOptions& options, scene::Capture& capture) {
+    constexpr double kContradictory = 0.1;
+    const double share = static_cast<double>(figures.floating) / static_cast<double>(figures.samples);
+    if (share < kContradictory) return;
+    const std::string much =
+        std::to_string(static_cast<int>(100 * share)) + " % of the samples stand where other images saw through";
+    if (capture.scans.size() > 1)
+        tell(capture, "Scans contradict each other: " + much + ", and are not drawn. " +
+                          (!options.movesScans() ? "Their poses are wrong: --register auto finds others."
+                                                 : "Some of their poses are wrong: revisit info says how "
+                                                   "they were registered."));
+    else
+        tell(capture, "Images contradict each other: " + much +
+                          ", and are not drawn. Poses, or the unit of range, may be wrong.");
+}
+
+/// Files of scans that nobody registered often have all of them at the origin.
+void sayIfAtOnePlace(const BuildOptions& options, scene::Capture& capture) {
+    if (options.movesScans()) return;
+    const auto placeOf = [](const scene::ScanSource& scan) { return scan.worldFromScanner.translation; };
+    for (auto scan = capture.scans.begin(); scan != capture.scans.end(); ++scan) {
+        const auto other = std::find_if(std::next(scan), capture.scans.end(),
+                                        [&](const scene::ScanSource& of) { return placeOf(of) == placeOf(*scan); });
+        if (other == capture.scans.end()) continue;
+        return tell(capture, "Scans '" + scan->name + "' and '" + other->name +
+                                 "' stand at the same place in their files: if they were not taken from there, "
+                                 "--register auto finds out how they stand.");
+    }
+}
+
 /// The stages of a build, one after the other.
 void runStages(scene::Capture& capture, const scene::HeldOut& heldOut, const BuildOptions& options, StageStore& store,
                const std::filesystem::path& output) {
@@ -75,6 +110,7 @@ void runStages(scene::Capture& capture, const scene::HeldOut& heldOut, const Bui
         reports.silhouettes = settleSilhouettes(imported, overlaps, options, store);
     const SkinStage skins = markSkins(imported, overlaps, options, store);
     if (skins.figures.samples == 0) throw nothingToBuild(options);
+    sayIfContradictory(skins.figures, options, capture);
     const KeepStage kept = keepBest(imported, overlaps, skins, options, store);
     const TileStage tiles = fuseAndCut(imported, overlaps, skins, kept, options, store);
     const CoverageStage coverage = coverSpace(skins, options, store);
@@ -111,11 +147,12 @@ void buildScene(const BuildOptions& options) {
         throw nothingToBuild(options);
     for (const std::string& remark : capture.remarks)
         sayNote(remark);
+    sayIfAtOnePlace(options, capture);
 
     std::filesystem::path work = std::filesystem::absolute(options.output).lexically_normal();
     if (!work.has_filename()) work = work.parent_path();
     const std::filesystem::path output = work;
-    checkReplaceable(output);
+    checkReplaceable(output, options.inputs);
     work += ".build";
     StageStore store(work);
     try {

@@ -133,9 +133,6 @@ struct CoverageStage {
 };
 CoverageStage coverSpace(const SkinStage& skins, const BuildOptions& options, StageStore& store);
 
-/// What stands under the scene's name already must be a scene, or nothing. Throws scene::Failure.
-void checkReplaceable(const std::filesystem::path& output);
-
 /// What stages have to say to scene.json and info; null where one did nothing.
 struct BuildReports {
     nlohmann::json registration, poses, evening, photographEvening, silhouettes;

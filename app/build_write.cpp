@@ -3,6 +3,7 @@
 #include "app/build_stages.h"
 #include "app/notes.h"
 #include "app/progress.h"
+#include "app/scene_folder.h"
 #include "app/version.h"
 
 #include "input/settings.h"
@@ -170,22 +171,12 @@ void writeHeldOut(const std::filesystem::path& folder, const scene::Capture& cap
 
 } // namespace
 
-void checkReplaceable(const std::filesystem::path& output) {
-    std::error_code ignored;
-    if (!std::filesystem::exists(output, ignored)) return;
-    const bool isScene =
-        std::filesystem::is_directory(output, ignored) &&
-        (std::filesystem::exists(output / "scene.json", ignored) || std::filesystem::is_empty(output, ignored));
-    if (!isScene) throw scene::Failure("exists and is no scene", output, "give another name with -o");
-}
-
 void writeScene(const std::filesystem::path& output, const scene::Capture& capture,
                 const std::vector<std::size_t>& heldOut, const std::vector<scene::StoredImage>& heldOutOfScans,
                 const ImportedImages& imported, const Overlaps& overlaps, const SkinStage& skins, const KeepStage& kept,
                 const TileStage& tiles, const CoverageStage& coverage, const BuildReports& reports,
                 const BuildOptions& options) {
-    std::filesystem::path part = output;
-    part += ".part";
+    const std::filesystem::path part = unfinishedSceneOf(output);
     std::error_code ignored;
     std::filesystem::remove_all(part, ignored);
     try {
@@ -271,6 +262,7 @@ void writeScene(const std::filesystem::path& output, const scene::Capture& captu
         manifest["walk_from_world"] =
             rowMajor(findWalkSpace(written.images, written.blocks, imported.uprightInWorld, imported.start));
         writeWhole(part / "scene.json", textOf(manifest));
+        checkReplaceable(output, options.inputs); // hours may have passed
         carryWalkersFiles(output, part);
         sync();
         putInPlace(part, output);

@@ -82,8 +82,10 @@ void printRegistration(const json& registration) {
     }
     const std::string apart =
         groups.size() > 1 ? ", in " + std::to_string(groups.size()) + " groups that nothing joins" : "";
-    std::printf("  registered %zu of %zu scans%s; surfaces lie on each other to %.1f mm\n", registered,
-                registration.at("scans").size(), apart.c_str(), 1e3 * registration.at("rms_m").get<double>());
+    std::printf("  registered %zu of %zu scans%s", registered, registration.at("scans").size(), apart.c_str());
+    if (registered > 0)
+        std::printf("; surfaces lie on each other to %.1f mm", 1e3 * registration.at("rms_m").get<double>());
+    std::printf("\n");
     for (const json& pair : registration.at("pairs")) {
         if (!pair.at("used").get<bool>()) {
             std::printf("  pair       %s, %s: %s; overlap %s\n", shown(pair.at("a")).c_str(),

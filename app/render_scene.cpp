@@ -9,6 +9,7 @@
 #include "app/overlays.h"
 #include "app/progress.h"
 #include "app/say.h"
+#include "app/scene_folder.h"
 #include "app/selection.h"
 #include "app/stage_store.h"
 #include "app/view_files.h"
@@ -18,6 +19,7 @@
 #include "scene/scene_file.h"
 #include "scene/view.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <memory>
@@ -112,17 +114,52 @@ std::vector<render::EyeImage> drawOnce(render::Renderer& renderer, std::span<con
     return images;
 }
 
-/// Pictures there that this run did not write: none of them is what the report speaks of.
-void sayWhatIsOlder(const std::filesystem::path& folder, const std::set<std::string>& names) {
-    std::size_t older = 0;
+std::string nameOfEye(const std::string& view, int eyes, std::size_t eye) {
+    return view + (eyes == 1 ? "" : eye == 0 ? "-left" : "-right");
+}
+
+std::size_t picturesBeside(const std::filesystem::path& folder, const std::set<std::string>& names) {
+    std::size_t others = 0;
     std::error_code ignored;
     for (std::filesystem::directory_iterator at(folder, ignored), end; !ignored && at != end; at.increment(ignored)) {
         const std::string extension = at->path().extension().string();
-        older += (extension == ".png" || extension == ".tiff") && !names.contains(at->path().filename().string());
+        others += (extension == ".png" || extension == ".tiff") && !names.contains(at->path().filename().string());
     }
-    if (older > 0)
+    return others;
+}
+
+/// Pictures are drawn under the names of those that were kept out, and must not be put in their place: not where they
+/// stand among others, or in what the scene was built from, and no report says that a run like this wrote them. (One
+/// that was stopped leaves its own alone.)
+void checkReplacesNothing(const std::filesystem::path& folder, const scene::Scene& scene,
+                          const std::vector<NamedView>& views, int eyes) {
+    std::error_code ignored;
+    if (std::filesystem::exists(folder / "report.json", ignored)) return;
+    const auto isOfInput = [&](const nlohmann::json& input) {
+        const std::filesystem::path path(input.get<std::string>());
+        return isWithin(folder, std::filesystem::is_directory(path, ignored) ? path : path.parent_path());
+    };
+    const nlohmann::json inputs = nlohmann::json::parse(scene.manifest).at("provenance").at("inputs");
+    std::set<std::string> names;
+    std::string replaced;
+    for (const NamedView& view : views)
+        for (std::size_t eye = 0; eye < static_cast<std::size_t>(eyes); ++eye)
+            for (const char* end : {".png", "-depth.tiff", "-class.png"}) {
+                const std::string name = nameOfEye(view.name, eyes, eye) + end;
+                if (std::filesystem::exists(folder / name, ignored) && replaced.empty()) replaced = name;
+                names.insert(name);
+            }
+    if (!replaced.empty() && (picturesBeside(folder, names) > 0 || std::ranges::any_of(inputs, isOfInput)))
+        throw scene::Failure("holds pictures that 'revisit render' did not draw, and " + replaced +
+                                 " would be replaced",
+                             folder, "name another folder with --out");
+}
+
+/// Pictures there that this run did not write: none of them is what the report speaks of.
+void sayWhatIsOlder(const std::filesystem::path& folder, const std::set<std::string>& names) {
+    if (const std::size_t older = picturesBeside(folder, names); older > 0)
         sayNote("'" + folder.string() + "' holds pictures that this run did not draw, " + std::to_string(older) +
-                " of them: report.json does not speak of those; take another folder, or remove them.");
+                " of them: report.json does not speak of those.");
 }
 
 } // namespace
@@ -131,6 +168,7 @@ void renderScene(const RenderOptions& options) {
     const scene::Scene scene = scene::openScene(options.scene);
     const std::vector<NamedView> views = listViews(options, scene);
     const int eyes = options.eyes > 0 ? options.eyes : options.path.empty() ? 1 : 2;
+    checkReplacesNothing(options.out, scene, views, eyes);
     const render::Quality quality = qualityOf(options.draw);
     DrawnScene drawnScene(scene, options.draw);
     drawnScene.mayShowUnseen = quality.showUnseen;
@@ -181,11 +219,8 @@ void renderScene(const RenderOptions& options) {
             }
         }
         for (std::size_t eye = 0; eye < images.size(); ++eye)
-            for (std::string& name : writePictures(images[eye], options.out,
-                                                   view.name + (eyes == 1  ? ""
-                                                                : eye == 0 ? "-left"
-                                                                           : "-right"),
-                                                   options.aux))
+            for (std::string& name :
+                 writePictures(images[eye], options.out, nameOfEye(view.name, eyes, eye), options.aux))
                 written.insert(std::move(name));
         progress.advance();
     }

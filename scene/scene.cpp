@@ -1,5 +1,7 @@
 #include "scene/scene.h"
 
+#include "scene/upright.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -13,7 +15,7 @@ namespace scene {
 namespace {
 
 /// The direction that the cameras' x axes are most level to, pointing where most of them have their up.
-glm::dvec3 findUpright(const std::vector<SceneImage>& images) {
+glm::dvec3 uprightOfCameras(const std::vector<SceneImage>& images) {
     Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
     glm::dvec3 meanUp(0);
     for (const SceneImage& image : images) {
@@ -31,6 +33,13 @@ glm::dvec3 findUpright(const std::vector<SceneImage>& images) {
     const Eigen::Vector3d v = solver.eigenvectors().col(0);
     const glm::dvec3 upright(v.x(), v.y(), v.z());
     return glm::dot(upright, meanUp) < 0 ? -upright : upright;
+}
+
+glm::dvec3 findUpright(const std::vector<SceneImage>& images, const std::vector<TileBlock>& blocks) {
+    std::vector<Facing> facings;
+    for (const TileBlock& block : blocks)
+        addFacings(block, facings);
+    return levelled(uprightOfCameras(images), facings);
 }
 
 /// Heights of some of the samples above the world's origin, ascending.
@@ -58,7 +67,8 @@ std::vector<double> heightsOf(const std::vector<TileBlock>& blocks, const glm::d
 Pose findWalkSpace(const std::vector<SceneImage>& images, const std::vector<TileBlock>& blocks,
                    const glm::dvec3& uprightInWorld, const WalkStart& start) {
     if (images.empty()) return {};
-    const glm::dvec3 up = glm::length(uprightInWorld) > 0 ? glm::normalize(uprightInWorld) : findUpright(images);
+    const glm::dvec3 up =
+        glm::length(uprightInWorld) > 0 ? glm::normalize(uprightInWorld) : findUpright(images, blocks);
     const Pose& first = images.at(start.image).worldFromCamera;
 
     // Level forward of the first camera; one that looks straight down has its image's top ahead.

@@ -41,9 +41,10 @@ struct WalkStart {
     std::optional<double> eyeMetres; ///< how high its camera is above the floor, where known: none is looked for then
 };
 
-/// Walk space for a capture: up is what the cameras hold upright on average (their x axes lie level), the floor is the
-/// lowest surface with a fair share of samples, the origin is on the floor under the camera of the start, which looks
-/// towards -Z. uprightInWorld: the capture's own up if its format has one (scans: +Z), else zero.
+/// Walk space for a capture: up is what the cameras hold upright on average (their x axes lie level), made exact by
+/// what floors and walls say (scene/upright.h), the floor is the lowest surface with a fair share of samples, the
+/// origin is on the floor under the camera of the start, which looks towards -Z. uprightInWorld: the capture's own up
+/// if its format has one (scans: +Z), else zero.
 Pose findWalkSpace(const std::vector<SceneImage>& images, const std::vector<TileBlock>& blocks,
                    const glm::dvec3& uprightInWorld, const WalkStart& start = {});
 

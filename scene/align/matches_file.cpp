@@ -50,6 +50,14 @@ std::string textOf(const glm::dvec3& p) {
     return text;
 }
 
+std::string listed(const std::vector<std::string>& names) {
+    constexpr std::size_t kMost = 20;
+    std::string text;
+    for (std::size_t i = 0; i < std::min(names.size(), kMost); ++i)
+        text += (i > 0 ? ", " : "") + names[i];
+    return names.size() > kMost ? text + ", ..." : text;
+}
+
 } // namespace
 
 std::vector<GivenMatches> readMatchesFile(const std::filesystem::path& path,
@@ -59,7 +67,7 @@ std::vector<GivenMatches> readMatchesFile(const std::filesystem::path& path,
         const auto found = std::find(scanNames.begin(), scanNames.end(), name);
         if (found == scanNames.end())
             throw Failure("names a scan '" + name + "' that the capture has not", path,
-                          "take the names that revisit info lists");
+                          "choose from " + listed(scanNames));
         return static_cast<std::size_t>(found - scanNames.begin());
     };
     std::vector<GivenMatches> all;

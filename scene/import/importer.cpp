@@ -51,6 +51,13 @@ void openInput(const std::filesystem::path& input, Capture& capture) {
         if (std::filesystem::exists(input / "scene.json") && std::filesystem::exists(input / "tiles.bin"))
             throw Failure("is a scene already, not a capture", input,
                           "walk, render or measure it; to build it anew, name the capture that it was made of");
+        for (std::filesystem::directory_iterator at(input, ignored), end; !ignored && at != end;
+             at.increment(ignored)) {
+            const std::string extension = lowerCaseExtension(at->path());
+            if (extension == ".e57" || extension == ".ptx")
+                throw Failure("is a folder of scans", input,
+                              "name the files themselves, e.g. " + (input / ("*" + extension)).string());
+        }
         throw Failure("folder holds no capture that Revisit knows", input,
                       "it needs a transforms.json with depth, or rgb.txt, depth.txt and groundtruth.txt (TUM)");
     }

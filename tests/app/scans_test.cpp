@@ -72,6 +72,7 @@ TEST_F(Scans, FindTheirPosesAndTellOfThem) {
     const Outcome built = build("auto.revisit", "auto");
     ASSERT_EQ(built.status, 0) << built.output;
     EXPECT_THAT(built.output, HasSubstr("register"));
+    EXPECT_THAT(built.output, Not(HasSubstr("note:")));
     expectRight("auto.revisit", 0.04, 0.003);
     const Outcome told = run({kRevisit, "info", path("auto.revisit")}, folder());
     EXPECT_THAT(told.output, HasSubstr("registered 2 of 2 scans"));
@@ -96,6 +97,20 @@ TEST_F(Scans, StandWhereTheFileSaysUnlessAsked) {
     EXPECT_TRUE(scene.at("registration").is_null());
     for (const json& image : scene.at("images"))
         EXPECT_EQ(glm::length(poseOf(image.at("world_from_camera")).translation), 0);
+    EXPECT_THAT(built.output, HasSubstr("note: Scans 'scan1' and 'scan2' stand at the same place in their files"));
+}
+
+TEST_F(Scans, ThoseThatContradictEachOtherAreTold) {
+    const Outcome made = makeSample({path("off"), "--scene", "room", "--scanner", "--scans", "2", "--density", "2",
+                                     "--no-colour", "--pose-error", "5,0.3"},
+                                    folder());
+    ASSERT_EQ(made.status, 0) << made.output;
+    const Outcome built = run({kRevisit, "build", path("off/scans.e57"), "-o", path("off.revisit")}, folder());
+    ASSERT_EQ(built.status, 0) << built.output;
+    EXPECT_THAT(built.output, HasSubstr("note: Scans contradict each other: "));
+    EXPECT_THAT(built.output, HasSubstr("--register auto finds others"));
+    const Outcome told = run({kRevisit, "info", path("off.revisit")}, folder());
+    EXPECT_THAT(told.output, HasSubstr("contradict each other"));
 }
 
 TEST_F(Scans, TakeAPersonsWordForThePlanesTheyShare) {
@@ -127,6 +142,7 @@ TEST_F(Scans, TakeAPersonsWordForThePlanesTheyShare) {
     const Outcome unknown = build("no.revisit", write({{{"a", "scan1"}, {"b", "scan9"}, {"planes", planes}}}));
     EXPECT_EQ(unknown.status, 1);
     EXPECT_THAT(unknown.output, HasSubstr("a scan 'scan9' that the capture has not"));
+    EXPECT_THAT(unknown.output, HasSubstr("choose from scan1, scan2"));
     planes.erase(2);
     const Outcome few = build("no.revisit", write({{{"a", "scan1"}, {"b", "scan2"}, {"planes", planes}}}));
     EXPECT_EQ(few.status, 1);

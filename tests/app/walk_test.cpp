@@ -254,6 +254,31 @@ TEST_F(Walk, PicturesOfAnEarlierRunAreTold) {
     EXPECT_NE(render({}).find("pictures that this run did not draw"), std::string::npos) << "depth and class are older";
 }
 
+TEST_F(Walk, NoPictureOfAnotherHandIsReplaced) {
+    const std::filesystem::path folder_(path("photographs"));
+    std::filesystem::create_directories(folder_);
+    std::ofstream(folder_ / "pose-0000-left.png") << "mine";
+    std::ofstream(folder_ / "other.png") << "mine, too";
+    const std::vector<std::string> command{kRevisit,         "render", path("room.revisit"), "--out",
+                                           folder_.string(), "--path", path("stand.json")};
+    std::ofstream(path("stand.json"))
+        << R"({"space": "walk", "poses": [{"t": 0, "position": [0, 1.6, 0], "orientation": [0, 0, 0, 1]}]})";
+    const Outcome refused = run(command, folder());
+    EXPECT_EQ(refused.status, 1);
+    EXPECT_NE(refused.output.find("pose-0000-left.png would be replaced"), std::string::npos) << refused.output;
+    EXPECT_EQ(std::filesystem::file_size(folder_ / "pose-0000-left.png"), 4u);
+    // What a run that was stopped has drawn is drawn again.
+    std::filesystem::remove(folder_ / "other.png");
+    EXPECT_EQ(run(command, folder()).status, 0);
+}
+
+TEST_F(Walk, StandsUprightThoughNoCameraWasHeldSo) {
+    const nlohmann::json walkFromWorld = readJson(path("room.revisit") + "/scene.json").at("walk_from_world");
+    // The sample's world has +Z up and its floor at 0.
+    EXPECT_GT(walkFromWorld.at(6).get<double>(), std::cos(0.005)) << walkFromWorld;
+    EXPECT_NEAR(walkFromWorld.at(7).get<double>(), 0, 0.03) << walkFromWorld;
+}
+
 TEST_F(Walk, InfoTellsHowLargeThePlaceIs) {
     const Outcome told = run({kRevisit, "info", path("room.revisit"), "--json"}, folder());
     ASSERT_EQ(told.status, 0) << told.output;

@@ -1,0 +1,97 @@
+#include "app/scene_folder.h"
+
+#include "app/notes.h"
+#include "input/settings.h"
+#include "scene/coverage.h"
+#include "scene/errors.h"
+#include "scene/scene_file.h"
+
+#include <algorithm>
+#include <fstream>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+namespace app {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view kUnfinished = ".part"; ///< of files and folders that were begun (scene/unfinished_file.h)
+constexpr const char* kOtherName = "give another name with -o";
+
+bool isManifest(const fs::path& path) {
+    std::ifstream file(path);
+    const nlohmann::json manifest = nlohmann::json::parse(file, nullptr, false);
+    return manifest.is_object() && manifest.contains("revisit") && manifest["revisit"] == "scene";
+}
+
+/// What systems leave in any folder.
+bool isOfTheSystem(const std::string& name) {
+    return name == ".DS_Store" || name == ".directory" || name == "Thumbs.db" || name == "desktop.ini";
+}
+
+/// The first, by name, that no build and no walk writes; empty if there is none.
+fs::path foreignIn(const fs::path& folder) {
+    const std::string notes = NotesFile(folder).path().filename().string();
+    std::vector<fs::path> foreign;
+    std::error_code error;
+    const auto look = [&](const fs::path& in, const auto& isOurs) {
+        for (fs::directory_iterator at(in, error), end; !error && at != end; at.increment(error)) {
+            std::string name = at->path().filename().string();
+            if (name.ends_with(kUnfinished)) name.resize(name.size() - kUnfinished.size());
+            if (!isOurs(*at, name) && !isOfTheSystem(name)) foreign.push_back(at->path().lexically_relative(folder));
+        }
+    };
+    look(folder, [&](const fs::directory_entry& entry, const std::string& name) {
+        if (entry.is_directory(error)) return name == "images" || name == scene::kHeldOutFolder;
+        return name == "scene.json" || name == "tiles.bin" || name == scene::kCoverageFile ||
+               name == input::kStartFile || name.starts_with(notes);
+    });
+    for (const fs::path& in : {folder / "images", folder / scene::kHeldOutFolder})
+        if (fs::is_directory(in, error))
+            look(in, [](const fs::directory_entry&, const std::string& name) { return name.ends_with(".tiff"); });
+    return foreign.empty() ? fs::path() : *std::min_element(foreign.begin(), foreign.end());
+}
+
+void checkFolder(const fs::path& folder, std::span<const fs::path> inputs) {
+    for (const fs::path& input : inputs)
+        if (isWithin(input, folder))
+            throw scene::Failure("would be lost: it lies in the folder that the scene is put in place of", input,
+                                 std::string("move it elsewhere, or ") + kOtherName);
+    if (const fs::path foreign = foreignIn(folder); !foreign.empty())
+        throw scene::Failure("holds " + foreign.string() + ", which is no part of a scene and would be lost", folder,
+                             std::string("move it elsewhere, or ") + kOtherName);
+}
+
+} // namespace
+
+bool isWithin(const fs::path& path, const fs::path& folder) {
+    std::error_code error;
+    const fs::path from = fs::weakly_canonical(folder, error), to = fs::weakly_canonical(path, error);
+    if (error) return false;
+    const fs::path relative = to.lexically_relative(from);
+    return !relative.empty() && *relative.begin() != "..";
+}
+
+fs::path unfinishedSceneOf(const fs::path& output) {
+    fs::path part = output;
+    part += kUnfinished;
+    return part;
+}
+
+void checkReplaceable(const fs::path& output, std::span<const fs::path> inputs) {
+    std::error_code ignored;
+    const fs::path part = unfinishedSceneOf(output);
+    if (fs::is_directory(part, ignored)) checkFolder(part, inputs);
+    if (!fs::exists(output, ignored)) return;
+    const bool isScene =
+        fs::is_directory(output, ignored) && (isManifest(output / "scene.json") || fs::is_empty(output, ignored));
+    if (!isScene) throw scene::Failure("exists and is no scene", output, kOtherName);
+    checkFolder(output, inputs);
+}
+
+} // namespace app
