@@ -59,7 +59,7 @@ std::string keyOfScan(const scene::ScanSource& scan, const ScanPhotographs& phot
                   scan.registeredWorldFromScanner ? describe(*scan.registeredWorldFromScanner) : json(),
                   describeReading(scan),
                   photographs.key,
-                  {faces.maxFaceSize, faces.sameSurface, faces.maxLayers}});
+                  {faces.maxFaceSize, faces.sameSurface, faces.maxLayers, faces.opensSky}});
 }
 
 /// A face that is made and the one that is written meanwhile, each with its further layers, and the scan itself, which
@@ -133,6 +133,7 @@ void writeFaces(const scene::ScanSource& source, const ScanPhotographs& photogra
                                             {"held", report.held},
                                             {"dropped", report.dropped},
                                             {"coarser_than_scan", report.coarserThanScan},
+                                            {"sky_share", report.skyShare},
                                             {"up", {up.x, up.y, up.z}}}
                                            .dump());
 }
@@ -232,11 +233,22 @@ ImportedImages importImages(scene::Capture& capture, const std::vector<std::size
                               "' is denser than its images may be within --memory: where it is densest, several of its "
                               "points share a sample.");
         const double rays = static_cast<double>(scan.rows) * static_cast<double>(scan.columns);
-        const double without = rays > 0 ? 1 - points.at("points").get<double>() / rays : 0;
+        const double sky = points.at("sky_share").get<double>();
+        const double without = rays > 0 ? 1 - points.at("points").get<double>() / rays - sky : 0;
+        const auto percent = [](double share) { return std::to_string(static_cast<int>(100 * share)) + " %"; };
+        if (cubeFaces.opensSky)
+            tell(capture, sky > 0
+                              ? percent(sky) + " of the rays of scan '" + scan.name +
+                                    "' came back with nothing from above the horizon, and are taken for open sky, as "
+                                    "--open-sky says."
+                              : "Scan '" + scan.name + "' shows no open sky above its horizon, or has no even grid.");
         if (options.findUnseen && without > kManyWithoutRange)
-            tell(capture, "Of the rays of scan '" + scan.name + "' " + std::to_string(static_cast<int>(100 * without)) +
-                              " % came back with nothing, and prove nothing: what lies along them is shown as unseen, "
-                              "to eyes close beside the scanner, too; --hide-unseen shows the scene without.");
+            tell(capture,
+                 "Of the rays of scan '" + scan.name + "' " + percent(without) +
+                     " came back with nothing, and prove nothing: what lies along them is shown as unseen, "
+                     "to eyes close beside the scanner, too; " +
+                     (cubeFaces.opensSky ? "" : "--open-sky opens what is above the horizon, if that was the sky; ") +
+                     "--hide-unseen shows the scene without.");
         for (int axis = 0; axis < 3; ++axis)
             imported.uprightInWorld[axis] += points.at("up").at(static_cast<std::size_t>(axis)).get<double>();
     }

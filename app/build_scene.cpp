@@ -35,6 +35,9 @@ void checkWishes(const BuildOptions& options, const scene::Capture& capture) {
         throw scene::Failure("no such file", how, "say given, auto, or name a file of places on planes");
     if (!options.scanner.empty() && capture.scans.empty())
         throw scene::Failure("is for laser scans, and there are none", std::string("--scanner"), "leave it out");
+    if (options.cubeFaces.opensSky && (!options.findUnseen || capture.scans.empty()))
+        throw scene::Failure("says what scans saw to be empty, and that is not asked for", std::string("--open-sky"),
+                             "give --coverage and laser scans, or leave it out");
     if (!capture.polygons.empty() && !options.holdOut.empty())
         throw scene::Failure("keeps photographs out, and polygons have none", std::string("--hold-out"),
                              "leave it out");

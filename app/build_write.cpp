@@ -41,6 +41,7 @@ json describeOptions(const BuildOptions& o) {
             {"tile_size", o.pyramid.tileSize},
             {"mesh_tolerance", o.pyramid.facetTolerance},
             {"skin_planarity", o.skins.planarity},
+            {"open_sky", o.cubeFaces.opensSky},
             {"same_surface", o.skins.comparison.sameSurface},
             {"cull_preference", o.redundancy.preference},
             {"cull_baseline_share", o.redundancy.baselineShare},

@@ -124,6 +124,11 @@ void addBuild(CLI::App& program, app::BuildOptions& options, std::string& memory
         "--coverage", [&] { options.findUnseen = true; },
         "find out which space no image observed, and show it as unseen: for scans; slow to draw without a graphics "
         "card");
+    build->add_flag(
+        "--open-sky", options.cubeFaces.opensSky,
+        "with --coverage, of scans that were taken under the open sky: rays that came back with nothing from "
+        "above the horizon, as far as they hang together with the uppermost, met the sky, and what lies "
+        "along them was seen to be empty; glass that reaches up to the sky counts, too");
     build
         ->add_option("--mesh-tolerance", options.pyramid.facetTolerance,
                      "share of depth by which the adaptive mesh may leave the samples")

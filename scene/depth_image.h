@@ -23,7 +23,7 @@ enum SampleFlag : std::uint8_t {
     kNoSurface = 1 << 0,    ///< no valid range: the sample is not there
     kSkinUpper = 1 << 1,    ///< the upper triangle bridges a silhouette: a false surface
     kSkinLower = 1 << 2,    ///< the lower triangle does
-    kFloating = 1 << 3,     ///< other images saw through this sample: it hangs in empty space
+    kFloating = 1 << 3,     ///< other images saw through this sample: it hangs in empty space (see isOpenSky)
     kRedundant = 1 << 4,    ///< another image keeps this piece of surface
     kInterpolated = 1 << 5, ///< range was not measured here: it follows from the samples about
     kNoColour = 1 << 6,     ///< the scanner took range only; colour is its intensity in grey, or mid-grey
@@ -50,6 +50,13 @@ inline bool isSurface(std::uint8_t flags) {
 /// other images; what is drawn of it is of class filled.
 inline bool isGuess(std::uint8_t flags) {
     return (flags & (kNoSurface | kFloating | kInterpolated)) == (kNoSurface | kInterpolated);
+}
+
+/// The ray of this sample met nothing at all (scene/project/open_sky.h): space along it is open without end. kFloating
+/// says so of samples that are not there.
+inline constexpr std::uint8_t kOpenSky = kNoSurface | kFloating;
+inline bool isOpenSky(std::uint8_t flags) {
+    return (flags & kOpenSky) == kOpenSky;
 }
 
 /// Surface that was laid over a gap of range, moved to another side of a silhouette, or guessed and confirmed. What is

@@ -9,5 +9,6 @@ revisit_test(revisit_scan_tests LABELS unit TIMEOUT 300
         scene/import/scan_samples_test.cpp
         scene/import/written_e57.cpp
         scene/project/cube_faces_test.cpp
+        scene/project/open_sky_test.cpp
     LINKS scene_import scene_pictures scene_project revisit_e57format TBB::tbb opencv_core opencv_imgcodecs
         PkgConfig::SPNG)

@@ -3,6 +3,7 @@
 #include "scene/project/cube_layout.h"
 #include "scene/project/grid_mesh.h"
 #include "scene/project/loose_points.h"
+#include "scene/project/open_sky.h"
 #include "scene/project/pixel_clusters.h"
 #include "scene/project/scan_grid.h"
 
@@ -46,6 +47,18 @@ void paintMesh(const Scan& scan, const ScanGrid& grid, const CubeFrame& frame, i
     });
 }
 
+// Between the samples: rays that met the sky.
+void paintSky(const OpenSky& sky, const CubeFrame& frame, int face, DepthImage& image) {
+    if (sky.isEmpty()) return;
+    const glm::dmat3 scannerFromFace = glm::transpose(frame.faceFromScanner[static_cast<std::size_t>(face)]);
+    tbb::parallel_for(0, image.camera.height, [&](int y) {
+        for (int x = 0; x < image.camera.width; ++x)
+            if ((image.flags(x, y) & kNoSurface) != 0 &&
+                sky.isOpen(scannerFromFace * rayThrough(image.camera, x + 0.5, y + 0.5)))
+                image.flags(x, y) = kOpenSky;
+    });
+}
+
 template <class T>
 Image<T> cropped(const Image<T>& image, int x0, int y0, int width, int height) {
     Image<T> part(width, height);
@@ -56,19 +69,20 @@ Image<T> cropped(const Image<T>& image, int x0, int y0, int width, int height) {
     return part;
 }
 
-// Cuts the rows and columns away that hold no sample; the camera's centre moves along.
-void cropToUsed(DepthImage& image, int& x0, int& y0) {
+// Cuts the rows and columns away that hold no sample and no sky; the camera's centre moves along.
+bool cropToUsed(DepthImage& image, int& x0, int& y0) {
     int x1 = -1, y1 = -1;
     x0 = image.camera.width, y0 = image.camera.height;
     for (int y = 0; y < image.camera.height; ++y) {
         const auto row = image.flags.row(y);
         for (int x = 0; x < image.camera.width; ++x) {
-            if (row[static_cast<std::size_t>(x)] & kNoSurface) continue;
+            const std::uint8_t flags = row[static_cast<std::size_t>(x)];
+            if ((flags & kNoSurface) != 0 && !isOpenSky(flags)) continue;
             x0 = std::min(x0, x), x1 = std::max(x1, x);
             y0 = std::min(y0, y), y1 = std::max(y1, y);
         }
     }
-    assert(x1 >= x0 && y1 >= y0);
+    if (x1 < x0) return false;
     const int width = x1 - x0 + 1, height = y1 - y0 + 1;
     image.colour = cropped(image.colour, x0, y0, width, height);
     image.disparity = cropped(image.disparity, x0, y0, width, height);
@@ -77,6 +91,7 @@ void cropToUsed(DepthImage& image, int& x0, int& y0) {
     image.camera.height = height;
     image.camera.cx -= x0;
     image.camera.cy -= y0;
+    return true;
 }
 
 // The points of each face, in the scan's order.
@@ -92,8 +107,8 @@ std::array<std::vector<std::uint32_t>, kFaceCount> pointsOfFaces(const Scan& sca
 }
 
 /// The images of a face, which its points make. Adds to the report what became of them.
-std::vector<DepthImage> layersOf(const Scan& scan, const ScanGrid* grid, const CubeFrame& frame, int face,
-                                 const Camera& camera, std::span<const std::uint32_t> points,
+std::vector<DepthImage> layersOf(const Scan& scan, const ScanGrid* grid, const OpenSky& sky, const CubeFrame& frame,
+                                 int face, const Camera& camera, std::span<const std::uint32_t> points,
                                  const CubeFaceOptions& options, CubeFaceReport& report) {
     std::vector<DepthImage> layers{emptyFace(scan, frame, face, camera)};
     PixelClusters clusters;
@@ -109,8 +124,9 @@ std::vector<DepthImage> layersOf(const Scan& scan, const ScanGrid* grid, const C
     report.dropped += clusters.dropped;
     report.pixels += clusters.pixels;
 
+    paintSky(sky, frame, face, layers[0]);
     int x0 = 0, y0 = 0;
-    cropToUsed(layers[0], x0, y0);
+    if (!cropToUsed(layers[0], x0, y0)) return {}; // sky between its pixels
     const Camera used = layers[0].camera;
     for (const LayerSample& sample : clusters.further) {
         while (layers.size() <= static_cast<std::size_t>(sample.layer)) {
@@ -140,15 +156,19 @@ CubeFaceReport projectToCubeFaces(const Scan& scan, const CubeFaceOptions& optio
     const AngularSteps steps = grid ? grid->steps : looseSteps(scan, frame.copInScanner);
     report.columnStepRadians = steps.horizontal;
     report.rowStepRadians = steps.vertical;
-    const auto layouts = layOutFaces(scan, frame, steps, grid.has_value(), options);
+    const OpenSky sky = grid && options.opensSky ? OpenSky(scan, *grid) : OpenSky();
+    report.skyShare = sky.share();
+    const auto layouts = layOutFaces(scan, frame, steps, grid.has_value(), options, sky.directions());
     const auto points = pointsOfFaces(scan, frame);
 
     for (int face = 0; face < kFaceCount; ++face) {
         const auto& [camera, coarserThanScan] = layouts[static_cast<std::size_t>(face)];
         const auto& own = points[static_cast<std::size_t>(face)];
-        if (own.empty()) continue;
+        if (camera.width == 0) continue;
         report.coarserThanScan |= coarserThanScan;
-        take(layersOf(scan, grid ? &*grid : nullptr, frame, face, camera, own, options, report));
+        std::vector<DepthImage> layers =
+            layersOf(scan, grid ? &*grid : nullptr, sky, frame, face, camera, own, options, report);
+        if (!layers.empty()) take(std::move(layers));
     }
     report.dropped = report.points - report.held;
     return report;

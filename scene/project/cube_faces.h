@@ -15,6 +15,7 @@ struct CubeFaceOptions {
     int maxFaceSize = 16384;   ///< pixels; a denser scan is projected at this size and the report says so
     double sameSurface = 0.02; ///< relative range difference up to which neighbours are one surface
     int maxLayers = 8;         ///< further images of a face for points that share a pixel but not a surface
+    bool opensSky = false;     ///< the scan was taken under the open sky (scene/project/open_sky.h): isOpenSky samples
 };
 
 /// What became of the points.
@@ -25,6 +26,7 @@ struct CubeFaceReport {
     std::int64_t pixels = 0;  ///< with points of their own; between them lies the mesh of the scan's grid
     double columnStepRadians = 0, rowStepRadians = 0; ///< the scan's angular density
     bool coarserThanScan = false;                     ///< that density was not allowed: pixels hold several points
+    double skyShare = 0;                              ///< of the grid's cells that are open sky, where it was asked for
 };
 
 /// Is given the images of one face, its further layers after the first.
@@ -32,7 +34,7 @@ using TakeFace = std::function<void(std::vector<DepthImage>)>;
 
 /// One face after the other, in the calling thread, none of which is held once it is taken: those of a dense scan take
 /// as much memory together as the scan itself, or more. Images are named SCAN-front, -left, ...; layers get -2, -3,
-/// ...; faces without a point are left out.
+/// ...; faces without a point and without sky are left out.
 CubeFaceReport projectToCubeFaces(const Scan& scan, const CubeFaceOptions& options, const TakeFace& take);
 
 struct CubeFaces {

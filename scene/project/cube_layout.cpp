@@ -57,7 +57,7 @@ struct Bounds {
 };
 using FaceBounds = std::array<Bounds, kFaceCount>;
 
-FaceBounds boundsOf(const Scan& scan, const CubeFrame& frame, double reach) {
+FaceBounds boundsOf(std::span<const glm::vec3> points, const CubeFrame& frame, double reach) {
     const auto addPoint = [&](const glm::vec3& point, FaceBounds& bounds) {
         const int own = frame.faceOf(point);
         if (own < 0) return;
@@ -70,10 +70,10 @@ FaceBounds boundsOf(const Scan& scan, const CubeFrame& frame, double reach) {
         }
     };
     return tbb::parallel_reduce(
-        tbb::blocked_range<std::size_t>(0, scan.pointsInScanner.size(), kGrain), FaceBounds{},
+        tbb::blocked_range<std::size_t>(0, points.size(), kGrain), FaceBounds{},
         [&](const tbb::blocked_range<std::size_t>& range, FaceBounds bounds) {
             for (std::size_t i = range.begin(); i < range.end(); ++i)
-                addPoint(scan.pointsInScanner[i], bounds);
+                addPoint(points[i], bounds);
             return bounds;
         },
         [](FaceBounds a, const FaceBounds& b) {
@@ -126,12 +126,16 @@ CubeFrame cubeFrame(const Scan& scan, const glm::dvec3& copInScanner) {
 }
 
 std::array<FaceLayout, kFaceCount> layOutFaces(const Scan& scan, const CubeFrame& frame, const AngularSteps& steps,
-                                               bool isMesh, const CubeFaceOptions& options) {
+                                               bool isMesh, const CubeFaceOptions& options,
+                                               std::span<const glm::vec3> directions) {
     assert(steps.horizontal > 0 && steps.vertical > 0 && options.maxFaceSize >= 16);
     // A neighbour's point counts where a square of the mesh may carry it over the edge.
     const double finest = std::min(steps.horizontal, steps.vertical);
     const double reach = isMesh ? 1.0 + 4.0 * std::max(steps.horizontal, steps.vertical) : 1.0;
-    const FaceBounds bounds = boundsOf(scan, frame, reach);
+    FaceBounds bounds = boundsOf(scan.pointsInScanner, frame, reach);
+    const FaceBounds further = boundsOf(directions, frame, reach);
+    for (std::size_t face = 0; face < bounds.size(); ++face)
+        bounds[face].add(further[face]);
     std::array<FaceLayout, kFaceCount> layouts;
     for (std::size_t face = 0; face < layouts.size(); ++face) {
         const Bounds& b = bounds[face];

@@ -10,6 +10,7 @@
 #include "scene/scan.h"
 
 #include <array>
+#include <span>
 
 #include <glm/mat3x3.hpp>
 #include <glm/vec3.hpp>
@@ -47,7 +48,9 @@ struct FaceLayout {
     bool coarserThanScan = false; ///< the scan's own density was not allowed
 };
 
+/// directions: further ones that faces are to reach, though no point is there.
 std::array<FaceLayout, kFaceCount> layOutFaces(const Scan& scan, const CubeFrame& frame, const AngularSteps& steps,
-                                               bool isMesh, const CubeFaceOptions& options);
+                                               bool isMesh, const CubeFaceOptions& options,
+                                               std::span<const glm::vec3> directions = {});
 
 } // namespace scene

@@ -23,11 +23,15 @@ std::size_t samplesOf(const Camera& face) {
 RayEnd rayEndOf(const DepthImage& image, int x, int y) {
     RayEnd end;
     if (isDrawable(image.flags(x, y))) end.disparity = image.disparity(x, y);
+    if (isOpenSky(image.flags(x, y))) end.disparity = 0;
+    const auto isSame = [sky = isOpenSky(image.flags(x, y))](std::uint8_t other) {
+        return sky ? isOpenSky(other) : isSurface(other);
+    };
     const int right = x + 1, below = y + 1;
     if (right < image.camera.width && below < image.camera.height)
-        end.isEdge = (image.flags(x, y) & (kSkinUpper | kSkinLower)) != 0 || !isSurface(image.flags(x, y)) ||
-                     !isSurface(image.flags(right, y)) || !isSurface(image.flags(x, below)) ||
-                     !isSurface(image.flags(right, below));
+        end.isEdge = (image.flags(x, y) & (kSkinUpper | kSkinLower)) != 0 || !isSame(image.flags(x, y)) ||
+                     !isSame(image.flags(right, y)) || !isSame(image.flags(x, below)) ||
+                     !isSame(image.flags(right, below));
     return end;
 }
 

@@ -17,6 +17,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
 
 namespace app {
 namespace {
@@ -155,6 +157,55 @@ TEST_F(Scans, TakeAPersonsWordForThePlanesTheyShare) {
     EXPECT_EQ(form.status, 1);
     EXPECT_THAT(form.output, HasSubstr("is no file of matches"));
     EXPECT_FALSE(std::filesystem::exists(path("no.revisit")));
+}
+
+/// A scanner 1.6 m above a field, as PTX; what is farther off than 30 m gives no range, nor does the sky.
+void writeField(const std::string& path, int columns, int rows) {
+    std::ofstream file(path);
+    file << columns << "\n" << rows << "\n0 0 1.6\n1 0 0\n0 1 0\n0 0 1\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 1.6 1\n";
+    for (int column = 0; column < columns; ++column)
+        for (int row = 0; row < rows; ++row) {
+            const double azimuth = -(column + 0.5) / columns * 6.283185307179586;
+            const double elevation = (-60 + 150 * (row + 0.5) / rows) / 57.29577951308232;
+            const double range = elevation < 0 ? -1.6 / std::sin(elevation) : 1e9;
+            if (range < 30)
+                file << range * std::cos(elevation) * std::cos(azimuth) << " "
+                     << range * std::cos(elevation) * std::sin(azimuth) << " " << range * std::sin(elevation)
+                     << " 0.5 90 120 60\n";
+            else
+                file << "0 0 0 0.5 0 0 0\n";
+        }
+}
+
+TEST_F(Scans, UnderTheOpenSkyWhatIsAboveIsOpenIfSomebodySaysSo) {
+    writeField(path("field.ptx"), 180, 75);
+    std::ofstream(path("up.json")) << R"({"space": "walk", "poses":
+        [{"t": 0, "position": [0.5, 1.7, 0.5], "orientation": [0.4, 0, 0, 0.917]}]})";
+    /// The share of an eye's pixels, 47 degrees above the horizon, that show neither surface nor the unseen.
+    const auto openOf = [&](const std::vector<std::string>& further, const std::string& note) {
+        std::vector<std::string> command{kRevisit,    "build", path("field.ptx"), "-o", path("field.revisit"),
+                                         "--coverage"};
+        command.insert(command.end(), further.begin(), further.end());
+        const Outcome built = run(command, folder());
+        EXPECT_EQ(built.status, 0) << built.output;
+        EXPECT_THAT(built.output, HasSubstr(note));
+        const Outcome drawn = run({kRevisit, "render", path("field.revisit"), "--out", path("sky"), "--path",
+                                   path("up.json"), "--size", "160x120", "--eyes", "1", "--aux"},
+                                  folder());
+        EXPECT_EQ(drawn.status, 0) << drawn.output;
+        const cv::Mat1b classes = cv::imread(path("sky/pose-0000-class.png"), cv::IMREAD_UNCHANGED);
+        return cv::countNonZero(classes == 0) / static_cast<double>(std::max<std::size_t>(classes.total(), 1));
+    };
+    EXPECT_LT(openOf({}, "--open-sky opens what is above the horizon"), 0.01);
+    EXPECT_GT(openOf({"--open-sky"}, "are taken for open sky"), 0.99);
+    // The face that looks up has no point, and is there all the same.
+    const json images = readJson(path("field.revisit") + "/scene.json").at("images");
+    EXPECT_TRUE(std::any_of(images.begin(), images.end(), [](const json& of) { return of.at("name") == "field-up"; }));
+
+    const Outcome alone =
+        run({kRevisit, "build", path("field.ptx"), "-o", path("none.revisit"), "--open-sky"}, folder());
+    EXPECT_EQ(alone.status, 1);
+    EXPECT_THAT(alone.output, HasSubstr("give --coverage and laser scans"));
 }
 
 TEST_F(Scans, MakeSampleRefusesWhatItCannotDo) {
