@@ -179,6 +179,7 @@ void writeScene(const std::filesystem::path& output, const scene::Capture& captu
                 const BuildOptions& options) {
     const std::filesystem::path part = unfinishedSceneOf(output);
     std::error_code ignored;
+    checkReplaceable(output, options.inputs); // hours have passed
     std::filesystem::remove_all(part, ignored);
     try {
         writeImages(part / "images", imported, tiles, options);
@@ -263,7 +264,7 @@ void writeScene(const std::filesystem::path& output, const scene::Capture& captu
         manifest["walk_from_world"] =
             rowMajor(findWalkSpace(written.images, written.blocks, imported.uprightInWorld, imported.start));
         writeWhole(part / "scene.json", textOf(manifest));
-        checkReplaceable(output, options.inputs); // hours may have passed
+        checkReplaceable(output, options.inputs);
         carryWalkersFiles(output, part);
         sync();
         putInPlace(part, output);

@@ -9,7 +9,6 @@
 #include "app/overlays.h"
 #include "app/progress.h"
 #include "app/say.h"
-#include "app/scene_folder.h"
 #include "app/selection.h"
 #include "app/stage_store.h"
 #include "app/view_files.h"
@@ -20,8 +19,10 @@
 #include "scene/view.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
+#include <fstream>
 #include <memory>
 #include <optional>
 #include <set>
@@ -128,18 +129,31 @@ std::size_t picturesBeside(const std::filesystem::path& folder, const std::set<s
     return others;
 }
 
+/// Whether a run like this finished there.
+bool holdsOurReport(const std::filesystem::path& folder) {
+    std::ifstream file(folder / "report.json");
+    const nlohmann::json report = nlohmann::json::parse(file, nullptr, false);
+    return report.is_object() && report.contains("samples_drawn");
+}
+
+/// Whether a scene was built from what stands right there, as far as its inputs' names still say.
+bool isFolderOfInput(const std::filesystem::path& folder, const std::filesystem::path& input) {
+    std::error_code ignored;
+    const auto isIt = [&](const std::filesystem::path& other) {
+        return std::filesystem::equivalent(folder, other, ignored);
+    };
+    if (!std::filesystem::is_directory(input, ignored)) return isIt(std::filesystem::absolute(input).parent_path());
+    return isIt(input) || std::ranges::any_of(std::array{"images", "image", "rgb", "color"},
+                                              [&](const char* name) { return isIt(input / name); });
+}
+
 /// Pictures are drawn under the names of those that were kept out, and must not be put in their place: not where they
-/// stand among others, or in what the scene was built from, and no report says that a run like this wrote them. (One
-/// that was stopped leaves its own alone.)
+/// stand among others, or where the scene's inputs do, and no report says that a run like this wrote them. (One that
+/// was stopped leaves its own alone.)
 void checkReplacesNothing(const std::filesystem::path& folder, const scene::Scene& scene,
                           const std::vector<NamedView>& views, int eyes) {
+    if (holdsOurReport(folder)) return;
     std::error_code ignored;
-    if (std::filesystem::exists(folder / "report.json", ignored)) return;
-    const auto isOfInput = [&](const nlohmann::json& input) {
-        const std::filesystem::path path(input.get<std::string>());
-        return isWithin(folder, std::filesystem::is_directory(path, ignored) ? path : path.parent_path());
-    };
-    const nlohmann::json inputs = nlohmann::json::parse(scene.manifest).at("provenance").at("inputs");
     std::set<std::string> names;
     std::string replaced;
     for (const NamedView& view : views)
@@ -149,8 +163,12 @@ void checkReplacesNothing(const std::filesystem::path& folder, const scene::Scen
                 if (std::filesystem::exists(folder / name, ignored) && replaced.empty()) replaced = name;
                 names.insert(name);
             }
-    if (!replaced.empty() && (picturesBeside(folder, names) > 0 || std::ranges::any_of(inputs, isOfInput)))
-        throw scene::Failure("holds pictures that 'revisit render' did not draw, and " + replaced +
+    if (replaced.empty()) return;
+    const nlohmann::json inputs = nlohmann::json::parse(scene.manifest).at("provenance").at("inputs");
+    const bool isOfInput = std::ranges::any_of(
+        inputs, [&](const nlohmann::json& input) { return isFolderOfInput(folder, input.get<std::string>()); });
+    if (isOfInput || picturesBeside(folder, names) > 0)
+        throw scene::Failure("holds pictures that no finished 'revisit render' speaks of, and " + replaced +
                                  " would be replaced",
                              folder, "name another folder with --out");
 }

@@ -8,6 +8,8 @@
 
 #include <algorithm>
 #include <fstream>
+#include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -23,10 +25,32 @@ namespace fs = std::filesystem;
 constexpr std::string_view kUnfinished = ".part"; ///< of files and folders that were begun (scene/unfinished_file.h)
 constexpr const char* kOtherName = "give another name with -o";
 
-bool isManifest(const fs::path& path) {
-    std::ifstream file(path);
-    const nlohmann::json manifest = nlohmann::json::parse(file, nullptr, false);
-    return manifest.is_object() && manifest.contains("revisit") && manifest["revisit"] == "scene";
+bool isWithin(const fs::path& path, const fs::path& folder) {
+    std::error_code error;
+    const fs::path from = fs::weakly_canonical(folder, error), to = fs::weakly_canonical(path, error);
+    if (error) return false;
+    const fs::path relative = to.lexically_relative(from);
+    return !relative.empty() && *relative.begin() != "..";
+}
+
+/// What a build wrote there last; null if it is none of ours.
+nlohmann::json manifestOf(const fs::path& folder) {
+    std::ifstream file(folder / "scene.json");
+    nlohmann::json manifest = nlohmann::json::parse(file, nullptr, false);
+    const bool isOurs = manifest.is_object() && manifest.contains("revisit") && manifest["revisit"] == "scene";
+    return isOurs ? manifest : nlohmann::json();
+}
+
+/// Names of the files that hold the images of a scene; nothing where it does not say.
+std::optional<std::set<std::string>> imagesOf(const nlohmann::json& manifest) {
+    if (!manifest.is_object()) return std::nullopt;
+    std::set<std::string> names;
+    for (const char* list : {"images", "held_out"})
+        if (const auto found = manifest.find(list); found != manifest.end() && found->is_array())
+            for (const nlohmann::json& image : *found)
+                if (image.is_object() && image.contains("name") && image["name"].is_string())
+                    names.insert(image["name"].get<std::string>() + ".tiff");
+    return names;
 }
 
 /// What systems leave in any folder.
@@ -37,6 +61,7 @@ bool isOfTheSystem(const std::string& name) {
 /// The first, by name, that no build and no walk writes; empty if there is none.
 fs::path foreignIn(const fs::path& folder) {
     const std::string notes = NotesFile(folder).path().filename().string();
+    const std::optional<std::set<std::string>> images = imagesOf(manifestOf(folder));
     std::vector<fs::path> foreign;
     std::error_code error;
     const auto look = [&](const fs::path& in, const auto& isOurs) {
@@ -49,11 +74,13 @@ fs::path foreignIn(const fs::path& folder) {
     look(folder, [&](const fs::directory_entry& entry, const std::string& name) {
         if (entry.is_directory(error)) return name == "images" || name == scene::kHeldOutFolder;
         return name == "scene.json" || name == "tiles.bin" || name == scene::kCoverageFile ||
-               name == input::kStartFile || name.starts_with(notes);
+               name == input::kStartFile || name == notes;
     });
     for (const fs::path& in : {folder / "images", folder / scene::kHeldOutFolder})
         if (fs::is_directory(in, error))
-            look(in, [](const fs::directory_entry&, const std::string& name) { return name.ends_with(".tiff"); });
+            look(in, [&](const fs::directory_entry& entry, const std::string& name) {
+                return entry.is_regular_file(error) && (images ? images->contains(name) : name.ends_with(".tiff"));
+            });
     return foreign.empty() ? fs::path() : *std::min_element(foreign.begin(), foreign.end());
 }
 
@@ -69,14 +96,6 @@ void checkFolder(const fs::path& folder, std::span<const fs::path> inputs) {
 
 } // namespace
 
-bool isWithin(const fs::path& path, const fs::path& folder) {
-    std::error_code error;
-    const fs::path from = fs::weakly_canonical(folder, error), to = fs::weakly_canonical(path, error);
-    if (error) return false;
-    const fs::path relative = to.lexically_relative(from);
-    return !relative.empty() && *relative.begin() != "..";
-}
-
 fs::path unfinishedSceneOf(const fs::path& output) {
     fs::path part = output;
     part += kUnfinished;
@@ -86,10 +105,14 @@ fs::path unfinishedSceneOf(const fs::path& output) {
 void checkReplaceable(const fs::path& output, std::span<const fs::path> inputs) {
     std::error_code ignored;
     const fs::path part = unfinishedSceneOf(output);
-    if (fs::is_directory(part, ignored)) checkFolder(part, inputs);
+    if (fs::is_directory(part, ignored))
+        checkFolder(part, inputs);
+    else if (fs::exists(part, ignored))
+        throw scene::Failure("is in the way of the scene that is to be made beside it", part,
+                             std::string("move it elsewhere, or ") + kOtherName);
     if (!fs::exists(output, ignored)) return;
     const bool isScene =
-        fs::is_directory(output, ignored) && (isManifest(output / "scene.json") || fs::is_empty(output, ignored));
+        fs::is_directory(output, ignored) && (!manifestOf(output).is_null() || fs::is_empty(output, ignored));
     if (!isScene) throw scene::Failure("exists and is no scene", output, kOtherName);
     checkFolder(output, inputs);
 }

@@ -11,9 +11,6 @@ namespace app {
 /// stands there that is no scene, an input in it, or a file of another hand.
 void checkReplaceable(const std::filesystem::path& output, std::span<const std::filesystem::path> inputs);
 
-/// Whether the path is the folder, or lies in it.
-bool isWithin(const std::filesystem::path& path, const std::filesystem::path& folder);
-
 /// The folder in which a scene is made before it is put under its name.
 std::filesystem::path unfinishedSceneOf(const std::filesystem::path& output);
 

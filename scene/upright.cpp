@@ -21,6 +21,7 @@ constexpr double kMostSlanting = 0.1;       ///< least cosine between a surface'
 constexpr std::array kWithinDegrees{20., 20., 10., 10., 5., 5., 3., 3., 3.};
 constexpr double kSharpDegrees = 3, kLeastShare = 0.2, kMostMovedDegrees = 25;
 constexpr double kGuessShare = 0.005;
+constexpr double kFarMetres = 10; ///< surfaces that are farther count as if they were no farther than that
 
 /// How much is level or upright, the more the exacter: nothing counts that is off by as much as kSharpDegrees.
 double agreementWith(const glm::dvec3& up, std::span<const Facing> facings) {
@@ -68,7 +69,9 @@ void addFacings(const TileBlock& block, std::vector<Facing>& facings) {
         const glm::dvec3 ray = rayThrough(camera, x, y);
         const double length = glm::length(n), slant = glm::dot(n, ray) / (length * glm::length(ray));
         if (!(std::abs(slant) > kMostSlanting)) continue;
-        const double area = count * glm::length(ray) / (d * d * camera.fx * camera.fy * std::abs(slant));
+        // What is far, or was cut off at a greatest range, is large and says little.
+        const double near = std::max(d, 1 / kFarMetres);
+        const double area = count * glm::length(ray) / (near * near * camera.fx * camera.fy * std::abs(slant));
         facings.push_back({block.worldFromCamera.rotation * (n / length), area});
     }
 }

@@ -14,7 +14,7 @@ namespace scene {
 /// A piece of plane surface.
 struct Facing {
     glm::dvec3 normal{0}; ///< in the world, unit
-    double area = 0;      ///< square metres
+    double area = 0;      ///< square metres, as if it were 10 m away at most
 };
 
 /// Those of an image's base tiles that are plane.

@@ -165,7 +165,7 @@ CubeFaceReport projectToCubeFaces(const Scan& scan, const CubeFaceOptions& optio
         const auto& [camera, coarserThanScan] = layouts[static_cast<std::size_t>(face)];
         const auto& own = points[static_cast<std::size_t>(face)];
         if (camera.width == 0) continue;
-        report.coarserThanScan |= coarserThanScan;
+        report.coarserThanScan |= coarserThanScan && !own.empty();
         std::vector<DepthImage> layers =
             layersOf(scan, grid ? &*grid : nullptr, sky, frame, face, camera, own, options, report);
         if (!layers.empty()) take(std::move(layers));

@@ -18,6 +18,8 @@ constexpr int kAsked = 1024;           ///< of a row's or a column's cells, at m
 constexpr std::size_t kLeastLines = 8; ///< rows and columns whose angles are known
 constexpr double kMostOff = 2.5;       ///< cells, by which nine in ten of those angles may leave the even ones
 constexpr int kDirectionStride = 4;    ///< cells
+constexpr double kBelow = -0.05;       ///< no cell that may be open looks so far below the horizon, coarse as it is
+constexpr double kLeastUpright = 0.7;  ///< cosine of how far a scanner that stands may lean
 
 /// The angle within half a period of another.
 double near(double angle, double other, double period) {
@@ -129,18 +131,23 @@ glm::dvec3 OpenSky::directionOf(int x, int y) const {
 
 void OpenSky::findOpen(const Scan& scan, const ScanGrid& grid) {
     const int width = grid.pointOfCell.width(), height = grid.pointOfCell.height();
+    // Scanners stand upright, but for what their poses say they lean. Where those turn them over, the world's +Z is not
+    // what is up (some have +Y), and nobody knows.
+    const glm::dvec3 worldsUp = glm::transpose(scan.worldFromScanner.rotation)[2];
+    up_ = worldsUp.z > kLeastUpright ? worldsUp : glm::dvec3(0, 0, 1);
     Image<std::uint8_t> mayBe(width, height, 0);
     tbb::parallel_for(0, height, [&](int y) {
         for (int x = 0; x < width; ++x)
-            mayBe(x, y) = grid.pointOfCell(x, y) < 0 && (scan.worldFromScanner.rotation * directionOf(x, y)).z > 0;
+            mayBe(x, y) = grid.pointOfCell(x, y) < 0 && glm::dot(up_, directionOf(x, y)) > 0;
     });
     const auto both = [](std::uint8_t a, std::uint8_t b) { return std::min(a, b); };
     const auto either = [](std::uint8_t a, std::uint8_t b) { return std::max(a, b); };
     // Above the zenith's row there is none: what its cells lack there is nothing that came back.
     const Image<std::uint8_t> wide = ofNeighbourhoods(mayBe, closes_, both);
     int top = 0;
+    const auto heightOf = [&](int row) { return std::sin(nod_.at(row)); }; // about the scanner's axis: it hardly leans
     for (int y = 0; y < height; ++y)
-        if (std::sin(nod_.at(y)) > std::sin(nod_.at(top))) top = y;
+        if (heightOf(y) > heightOf(top)) top = y;
     Image<std::uint8_t> reached(width, height, 0);
     std::vector<std::int32_t> toGo;
     const auto reach = [&](int x, int y) {
@@ -181,7 +188,7 @@ int OpenSky::lookUp(double nod, double turn) const {
 }
 
 bool OpenSky::isOpen(const glm::dvec3& directionInScanner) const {
-    if (isEmpty()) return false;
+    if (isEmpty() || glm::dot(up_, directionInScanner) < kBelow * glm::length(directionInScanner)) return false;
     const double turn = std::atan2(directionInScanner.y, directionInScanner.x);
     const double nod = std::atan2(directionInScanner.z, std::hypot(directionInScanner.x, directionInScanner.y));
     const int before = lookUp(nod, turn), over = lookUp(kPi - nod, turn + kPi);

@@ -25,7 +25,8 @@ class OpenSky {
     /// Of none: no direction is open.
     OpenSky() = default;
 
-    /// The horizon is level in the world. Nothing is open where cells' directions cannot be told: they must go evenly
+    /// The horizon is level in the world, or, where the scanner's pose turns it over (worlds whose +Y is up), about its
+    /// own axis. Nothing is open where cells' directions cannot be told: they must go evenly
     /// along rows and columns, by two angles about the scanner's z axis, and over the zenith if they like.
     OpenSky(const Scan& scan, const ScanGrid& grid);
 
@@ -50,7 +51,8 @@ class OpenSky {
     /// -1: beyond the grid, 0: not open, 1: open.
     int lookUp(double nod, double turn) const;
 
-    Even nod_, turn_; ///< of rows (0 level, a quarter turn the zenith, and on over it), of columns
+    Even nod_, turn_;        ///< of rows (0 level, a quarter turn the zenith, and on over it), of columns
+    glm::dvec3 up_{0, 0, 1}; ///< in the scanner's coordinates
     bool closes_ = false;
     Image<std::uint8_t> open_; ///< by cell
     std::vector<glm::vec3> directions_;

@@ -92,6 +92,7 @@ Evidence evidenceOf(const DepthImage& partner, const Reprojection& into, float x
     const float upright = start / w;
     const float change = upright - slopes.x * (into.columnD.x - at.u * into.columnD.z) -
                          slopes.y * (into.columnD.y - at.v * into.columnD.z);
+    if (!(change > 0)) return {disparity, 0}; // it sees the other side of something thin
     const float least = std::min(change * change, upright * upright);
     const float steepness = std::max(std::abs(slopes.x), std::abs(slopes.y));
     const float doubt = steepness > 0 ? options.pixelError * steepness / (options.sameSurface * at.disparity) : 0;

@@ -33,7 +33,8 @@ std::string refusalOf(const std::filesystem::path& output, const std::vector<std
 class SceneFolder : public testing::Test {
   protected:
     void SetUp() override {
-        write(scene_ / "scene.json", R"({"revisit": "scene", "version": 1})");
+        write(scene_ / "scene.json",
+              R"({"revisit": "scene", "images": [{"name": "a"}, {"name": "b"}], "held_out": [{"name": "c"}]})");
         for (const char* name : {"tiles.bin", "coverage.bin", "notes.json", "start.json", "images/a.tiff",
                                  "images/b.tiff.part", "held_out/c.tiff", ".DS_Store"})
             write(scene_ / name);
@@ -45,7 +46,8 @@ class SceneFolder : public testing::Test {
 TEST_F(SceneFolder, AScenesOwnFilesAreReplacedAndNothingElse) {
     EXPECT_EQ(refusalOf(scene_, {scratch_ / "capture"}), "");
     EXPECT_EQ(refusalOf(scratch_ / "new.revisit"), "");
-    for (const char* name : {"station.e57", "frames/pose-0000-left.png", "images/00001.png", "held_out/x.jpg"}) {
+    for (const char* name : {"station.e57", "frames/pose-0000-left.png", "images/00001.png", "images/mine.tiff",
+                             "held_out/x.jpg", "notes.json.bak"}) {
         write(scene_ / name);
         const std::string first = std::filesystem::path(name).begin()->string();
         EXPECT_THAT(refusalOf(scene_), HasSubstr("holds " + (first == "frames" ? first : std::string(name)) + ","));
@@ -74,6 +76,9 @@ TEST_F(SceneFolder, NorIsAFolderOfSomebodysUnderTheNameOfAnUnfinishedScene) {
     EXPECT_EQ(refusalOf(scene_), "") << "what a build that was killed leaves";
     write(part / "thesis.txt");
     EXPECT_THAT(refusalOf(scene_), HasSubstr("holds thesis.txt,"));
+    std::filesystem::remove_all(part);
+    write(part);
+    EXPECT_THAT(refusalOf(scene_), HasSubstr("is in the way"));
 }
 
 } // namespace

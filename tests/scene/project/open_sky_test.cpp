@@ -115,6 +115,16 @@ TEST(OpenSky, OfColumnsOverTheZenithIsTheSame) {
     EXPECT_LT(found.wronglyOpen, 0.01 * found.open);
 }
 
+TEST(OpenSky, IsAboveTheHorizonOfAWorldWhoseYIsUpToo) {
+    Scan scan = cornerScan();
+    const OpenSky upright = skyOf(scan);
+    scan.worldFromScanner.rotation = glm::dmat3({0, 0, 1}, {1, 0, 0}, {0, 1, 0}) * scan.worldFromScanner.rotation;
+    const OpenSky turned = skyOf(scan);
+    EXPECT_EQ(turned.share(), upright.share());
+    for (const glm::dvec3& below : {glm::dvec3(1, 0, -0.3), glm::dvec3(0, -1, -0.2), glm::dvec3(-1, 1, -0.6)})
+        EXPECT_FALSE(turned.isOpen(below));
+}
+
 TEST(OpenSky, IsOnTheFacesThatLookThereAndOnNoOther) {
     const Scan scan = cornerScan(360, 150);
     CubeFaceOptions options;
