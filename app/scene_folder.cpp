@@ -53,6 +53,12 @@ std::optional<std::set<std::string>> imagesOf(const nlohmann::json& manifest) {
     return names;
 }
 
+/// As a manifest says it: names of files need not be UTF-8, JSON must.
+std::string inManifest(const std::string& name) {
+    using nlohmann::json;
+    return json::parse(json(name).dump(-1, ' ', false, json::error_handler_t::replace)).get<std::string>();
+}
+
 /// What systems leave in any folder.
 bool isOfTheSystem(const std::string& name) {
     return name == ".DS_Store" || name == ".directory" || name == "Thumbs.db" || name == "desktop.ini";
@@ -79,7 +85,8 @@ fs::path foreignIn(const fs::path& folder) {
     for (const fs::path& in : {folder / "images", folder / scene::kHeldOutFolder})
         if (fs::is_directory(in, error))
             look(in, [&](const fs::directory_entry& entry, const std::string& name) {
-                return entry.is_regular_file(error) && (images ? images->contains(name) : name.ends_with(".tiff"));
+                return entry.is_regular_file(error) &&
+                       (images ? images->contains(inManifest(name)) : name.ends_with(".tiff"));
             });
     return foreign.empty() ? fs::path() : *std::min_element(foreign.begin(), foreign.end());
 }

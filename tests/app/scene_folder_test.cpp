@@ -33,10 +33,11 @@ std::string refusalOf(const std::filesystem::path& output, const std::vector<std
 class SceneFolder : public testing::Test {
   protected:
     void SetUp() override {
-        write(scene_ / "scene.json",
-              R"({"revisit": "scene", "images": [{"name": "a"}, {"name": "b"}], "held_out": [{"name": "c"}]})");
+        write(
+            scene_ / "scene.json",
+            R"({"revisit": "scene", "images": [{"name": "a"}, {"name": "b"}, {"name": "caf\ufffd"}], "held_out": [{"name": "c"}]})");
         for (const char* name : {"tiles.bin", "coverage.bin", "notes.json", "start.json", "images/a.tiff",
-                                 "images/b.tiff.part", "held_out/c.tiff", ".DS_Store"})
+                                 "images/b.tiff.part", "images/caf\xe9.tiff", "held_out/c.tiff", ".DS_Store"})
             write(scene_ / name);
     }
     scene::ScratchFolder scratch_;
