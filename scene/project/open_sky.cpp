@@ -63,8 +63,8 @@ bool fit(Known known, double period, Even& even) {
     return even.step != 0 && off[(count - 1) * 9 / 10] <= kMostOff * std::abs(even.step);
 }
 
-/// Marks with at least one, or at most, neighbours: what all eight neighbours, too, are, or what any of them is. Rows
-/// go on at their other end where the grid closes.
+/// Each mark combined with those of its eight neighbours. Rows go on at their other end where the grid closes; beyond
+/// its other borders there is nothing to combine with.
 template <class Combine>
 Image<std::uint8_t> ofNeighbourhoods(const Image<std::uint8_t>& marks, bool closes, Combine combine) {
     const int width = marks.width(), height = marks.height();
@@ -142,12 +142,11 @@ void OpenSky::findOpen(const Scan& scan, const ScanGrid& grid) {
     });
     const auto both = [](std::uint8_t a, std::uint8_t b) { return std::min(a, b); };
     const auto either = [](std::uint8_t a, std::uint8_t b) { return std::max(a, b); };
-    // Above the zenith's row there is none: what its cells lack there is nothing that came back.
+    // Where all about a cell may be sky, too: the way to the uppermost leads through no gap narrower than that.
     const Image<std::uint8_t> wide = ofNeighbourhoods(mayBe, closes_, both);
     int top = 0;
-    const auto heightOf = [&](int row) { return std::sin(nod_.at(row)); }; // about the scanner's axis: it hardly leans
-    for (int y = 0; y < height; ++y)
-        if (heightOf(y) > heightOf(top)) top = y;
+    for (int y = 0; y < height; ++y) // about the scanner's own axis: it hardly leans
+        if (std::sin(nod_.at(y)) > std::sin(nod_.at(top))) top = y;
     Image<std::uint8_t> reached(width, height, 0);
     std::vector<std::int32_t> toGo;
     const auto reach = [&](int x, int y) {
