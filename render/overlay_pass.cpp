@@ -55,9 +55,9 @@ void write(const OverlayList& list, const OverlayBuffers& buffers) {
 
 void recordOverlay(VkCommandBuffer commands, const OverlayPass& pass, const OverlayList& list,
                    const OverlayBuffers& buffers, VkDescriptorSet eyeSet) {
-    const VkPipelineLayout layout = pass.pipeline.layout;
+    const VkPipelineLayout layout = pass.pipeline.layout();
     const std::array sets{eyeSet, buffers.set};
-    vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pass.pipeline.pipeline);
+    bind(commands, pass.pipeline);
     vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, layout, 0, 2, sets.data(), 0, nullptr);
     const auto count = static_cast<std::uint32_t>(list.bins.size());
     for (std::uint32_t done = 0; done < count; done += kMaxWorkgroups) {

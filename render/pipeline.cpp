@@ -51,31 +51,43 @@ Specialisation::Specialisation(std::span<const std::uint32_t> values) {
     info_ = {static_cast<std::uint32_t>(entries_.size()), entries_.data(), values.size_bytes(), values.data()};
 }
 
+CompiledPipeline::CompiledPipeline(VkDevice device, std::span<const std::uint32_t> code,
+                                   std::span<const VkDescriptorSetLayout> sets, std::uint32_t pushConstantBytes,
+                                   std::span<const std::uint32_t> specialisation)
+    : device_(device), code_(code), specialisation_(specialisation.begin(), specialisation.end()),
+      layout_(makePipelineLayout(device, sets, {VK_SHADER_STAGE_COMPUTE_BIT, 0, pushConstantBytes})) {}
+
+VkPipeline CompiledPipeline::handle() const {
+    std::call_once(once_, [this] {
+        const Specialisation constants(specialisation_);
+        const ShaderModule module = makeShaderModule(device_, code_);
+        VkComputePipelineCreateInfo info{};
+        info.sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO;
+        info.stage.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO;
+        info.stage.stage = VK_SHADER_STAGE_COMPUTE_BIT;
+        info.stage.module = module;
+        info.stage.pName = "main";
+        info.stage.pSpecializationInfo = constants.info();
+        info.layout = layout_;
+        VkPipeline pipeline = VK_NULL_HANDLE;
+        check(vkCreateComputePipelines(device_, VK_NULL_HANDLE, 1, &info, nullptr, &pipeline));
+        pipeline_ = {device_, pipeline};
+    });
+    return pipeline_;
+}
+
+void bind(VkCommandBuffer commands, const ComputePipeline& pipeline) {
+    vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline.handle());
+}
+
 ComputePipeline PipelineStore::pipeline(VkDevice device, std::span<const std::uint32_t> code,
                                         std::span<const VkDescriptorSetLayout> sets, std::uint32_t pushConstantBytes,
                                         std::span<const std::uint32_t> specialisation) {
     const std::scoped_lock lock(mutex_);
     PipelineKey key{
         code.data(), {sets.begin(), sets.end()}, pushConstantBytes, {specialisation.begin(), specialisation.end()}};
-    if (const auto found = pipelines_.find(key); found != pipelines_.end())
-        return {found->second.layout, found->second.pipeline};
-
-    const Specialisation constants(specialisation);
-    const ShaderModule module = makeShaderModule(device, code);
-    Made made{makePipelineLayout(device, sets, {VK_SHADER_STAGE_COMPUTE_BIT, 0, pushConstantBytes}), {}};
-    VkComputePipelineCreateInfo info{};
-    info.sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO;
-    info.stage.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO;
-    info.stage.stage = VK_SHADER_STAGE_COMPUTE_BIT;
-    info.stage.module = module;
-    info.stage.pName = "main";
-    info.stage.pSpecializationInfo = constants.info();
-    info.layout = made.layout;
-    VkPipeline pipeline = VK_NULL_HANDLE;
-    check(vkCreateComputePipelines(device, VK_NULL_HANDLE, 1, &info, nullptr, &pipeline));
-    made.pipeline = {device, pipeline};
-    const Made& kept = pipelines_.emplace(std::move(key), std::move(made)).first->second;
-    return {kept.layout, kept.pipeline};
+    return ComputePipeline(
+        pipelines_.try_emplace(std::move(key), device, code, sets, pushConstantBytes, specialisation).first->second);
 }
 
 VkDescriptorSetLayout PipelineStore::setLayout(VkDevice device, std::span<const Binding> bindings,
@@ -99,7 +111,9 @@ VkDescriptorSetLayout PipelineStore::setLayout(VkDevice device, std::span<const 
 ComputePipeline makeComputePipeline(const Device& device, std::span<const std::uint32_t> code,
                                     std::span<const VkDescriptorSetLayout> sets, std::uint32_t pushConstantBytes,
                                     std::span<const std::uint32_t> specialisation) {
-    return device.pipelines().pipeline(device, code, sets, pushConstantBytes, specialisation);
+    const ComputePipeline pipeline = device.pipelines().pipeline(device, code, sets, pushConstantBytes, specialisation);
+    if (!device.isProcessor()) pipeline.handle();
+    return pipeline;
 }
 
 VkDescriptorSetLayout makeSetLayout(const Device& device, std::span<const Binding> bindings,

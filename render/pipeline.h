@@ -15,17 +15,47 @@ namespace render {
 class Device;
 class Buffer;
 
-/// Belongs to the device.
-struct ComputePipeline {
-    VkPipelineLayout layout = VK_NULL_HANDLE;
-    VkPipeline pipeline = VK_NULL_HANDLE;
+/// What a pipeline is made of, and the pipeline once somebody has wanted it. Belongs to the device.
+class CompiledPipeline {
+  public:
+    CompiledPipeline(VkDevice device, std::span<const std::uint32_t> code, std::span<const VkDescriptorSetLayout> sets,
+                     std::uint32_t pushConstantBytes, std::span<const std::uint32_t> specialisation);
+    VkPipelineLayout layout() const { return layout_; }
+    /// Compiled by now. For any number of threads.
+    VkPipeline handle() const;
+
+  private:
+    VkDevice device_;
+    std::span<const std::uint32_t> code_;
+    std::vector<std::uint32_t> specialisation_;
+    PipelineLayout layout_;
+    mutable std::once_flag once_;
+    mutable Pipeline pipeline_;
 };
+
+/// One of the device's pipelines, or none.
+class ComputePipeline {
+  public:
+    ComputePipeline() = default;
+    explicit ComputePipeline(const CompiledPipeline& of) : of_(&of) {}
+    explicit operator bool() const { return of_ != nullptr; }
+    VkPipelineLayout layout() const { return of_->layout(); }
+    VkPipeline handle() const { return of_->handle(); }
+    friend bool operator==(const ComputePipeline&, const ComputePipeline&) = default;
+
+  private:
+    const CompiledPipeline* of_ = nullptr;
+};
+
+void bind(VkCommandBuffer commands, const ComputePipeline& pipeline);
 
 /// What every device allows in one direction of a dispatch.
 inline constexpr std::uint32_t kMaxWorkgroups = 65535;
 
 /// code: SPIR-V, which stays where it is. specialisation: the constants 0, 1, ... of the shader. Whoever asks for the
-/// same again is given the same: drivers take a while to compile.
+/// same again is given the same: drivers take a while to compile. A card's has compiled when this returns, lest a frame
+/// wait for it; a driver for the processor, which compiles what it runs when it first runs it, however early it was
+/// asked, does not begin before the pipeline is bound: of those that a renderer might need most runs bind a third.
 ComputePipeline makeComputePipeline(const Device& device, std::span<const std::uint32_t> code,
                                     std::span<const VkDescriptorSetLayout> sets, std::uint32_t pushConstantBytes,
                                     std::span<const std::uint32_t> specialisation);
@@ -100,13 +130,9 @@ class PipelineStore {
         VkShaderStageFlags stages;
         auto operator<=>(const SetKey&) const = default;
     };
-    struct Made {
-        PipelineLayout layout;
-        Pipeline pipeline;
-    };
     std::mutex mutex_;
     std::map<SetKey, DescriptorSetLayout> setLayouts_;
-    std::map<PipelineKey, Made> pipelines_;
+    std::map<PipelineKey, CompiledPipeline> pipelines_;
 };
 
 } // namespace render

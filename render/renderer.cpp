@@ -65,7 +65,8 @@ Renderer::Renderer(const Device& device, const GpuScene& scene, int width, int h
       unseen_(coverage != nullptr ? makeUnseenPipeline(device, *coverage, eyeLayout_) : ComputePipeline{}),
       polygons_(polygons), streams_(device, eyes) {
     assert(width > 0 && height > 0 && eyes >= 1 && eyes <= kMaxEyes);
-    if (!device.isProcessor()) makeWarps({Warp::points, Warp::mesh, Warp::adaptive, Warp::splats});
+    for (const Warp warp : {Warp::points, Warp::mesh, Warp::adaptive, Warp::splats})
+        warps_[static_cast<std::size_t>(warp)] = makeWarpPass(device, warp, scene.pageLayout(), eyeLayout_);
     if (polygons != nullptr) polygonPass_ = makePolygonPass(device, *polygons, eyeLayout_, 1);
     for (int eye = 0; eye < eyes; ++eye)
         eyes_.push_back({.target = makeEyeTarget(device, eyeLayout_, width, height),
@@ -84,7 +85,6 @@ FrameStats Renderer::draw(std::span<const scene::View> views, const Quality& qua
         readTimes(slot, stats.gpu);
     }
 
-    makeWarps(warpsFor(quality, scene_.isStreamed()));
     chooseResolution(quality, overlay != nullptr && !overlay->labels.empty());
     Warped warped{{views.begin(), views.end()}, quality, picture_, scene_.changes()};
     isStanding_ = letsFramesStand_ && warped == lastWarped_;
@@ -93,7 +93,7 @@ FrameStats Renderer::draw(std::span<const scene::View> views, const Quality& qua
         eyes_[i].times.clear();
         if (!isStanding_) choose(eyes_[i], views[i], quality, static_cast<int>(i));
     });
-    if (!isStanding_) makeRoom(quality), prepareForWideTiles();
+    if (!isStanding_) makeRoom(quality);
     isOnePass_ = !isStanding_ && unite(quality, slot, stats);
     prepareOutputs(outputs);
     tbb::parallel_for(std::size_t{0}, eyes_.size(), [&](std::size_t i) {
@@ -142,7 +142,7 @@ void Renderer::warmUp(std::span<const scene::View> views, std::span<const Qualit
         for (const Quality& way : ways) {
             draw(views, way);
             for (const Warp warp : warpsFor(way, scene_.isStreamed()))
-                prepareForWide(device_, warp, scene_.pageLayout(), eyeLayout_, warps_[static_cast<std::size_t>(warp)]);
+                compile(warps_[static_cast<std::size_t>(warp)]);
         }
         streams_.waitForAll();
     } catch (...) {
@@ -150,21 +150,6 @@ void Renderer::warmUp(std::span<const scene::View> views, std::span<const Qualit
         throw;
     }
     forget();
-}
-
-void Renderer::makeWarps(const std::vector<Warp>& wanted) {
-    for (const Warp warp : wanted) {
-        WarpPass& pass = warps_[static_cast<std::size_t>(warp)];
-        if (pass.any.pipeline == VK_NULL_HANDLE) pass = makeWarpPass(device_, warp, scene_.pageLayout(), eyeLayout_);
-    }
-}
-
-void Renderer::prepareForWideTiles() {
-    for (const Eye& eye : eyes_)
-        for (const DrawRun& run : eye.list.runs)
-            if (run.reach == Reach::wide)
-                prepareForWide(device_, run.warp, scene_.pageLayout(), eyeLayout_,
-                               warps_[static_cast<std::size_t>(run.warp)]);
 }
 
 void Renderer::useCoverage(const GpuCoverage* coverage) {

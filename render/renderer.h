@@ -137,10 +137,6 @@ class Renderer {
         std::uint64_t sceneChanges = 0;
         friend bool operator==(const Warped&, const Warped&) = default;
     };
-    /// Those that are not made yet. A graphics card's driver compiles when a pipeline is made: there all are made at
-    /// first.
-    void makeWarps(const std::vector<Warp>& wanted);
-    void prepareForWideTiles();
     void chooseResolution(const Quality& quality, bool hasLabels);
     void chooseEdgeSamples(const Quality& quality);
     /// What is warped into has room for so many pixels a side.
@@ -171,7 +167,7 @@ class Renderer {
     bool letsDisplayEnlarge_ = false, letsFramesStand_ = false;
     PictureSize picture_{width_, height_}; ///< of this frame
     VkDescriptorSetLayout eyeLayout_ = VK_NULL_HANDLE;
-    WarpPasses warps_{}; ///< those that were wanted
+    WarpPasses warps_{};
     OcclusionPass occlusion_;
     BlendPass blend_;
     ResolvePass resolve_;

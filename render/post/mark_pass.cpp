@@ -15,9 +15,9 @@ ComputePipeline makeMarkPass(const Device& device, VkDescriptorSetLayout eyeLayo
 
 void recordMark(VkCommandBuffer commands, const ComputePipeline& pass, VkDescriptorSet eyeSet, int width, int height) {
     const MarkConstants constants{static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height)};
-    vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pass.pipeline);
-    vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pass.layout, 0, 1, &eyeSet, 0, nullptr);
-    vkCmdPushConstants(commands, pass.layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof constants, &constants);
+    bind(commands, pass);
+    vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pass.layout(), 0, 1, &eyeSet, 0, nullptr);
+    vkCmdPushConstants(commands, pass.layout(), VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof constants, &constants);
     vkCmdDispatch(commands, constants.height, 1, 1);
 }
 

@@ -60,8 +60,8 @@ void recordNearOverDepth(VkCommandBuffer commands, const OutputCopy& copy, const
                          float nearMetres) {
     record(commands, {kCompute, VK_ACCESS_SHADER_WRITE_BIT, kCompute, VK_ACCESS_SHADER_READ_BIT});
     const EyeOutputConstants constants{picture.width, picture.height, nearMetres};
-    const VkPipelineLayout layout = copy.pipeline.layout;
-    vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, copy.pipeline.pipeline);
+    const VkPipelineLayout layout = copy.pipeline.layout();
+    bind(commands, copy.pipeline);
     vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, layout, 0, 1, &copy.set, 0, nullptr);
     vkCmdPushConstants(commands, layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof constants, &constants);
     vkCmdDispatch(commands, static_cast<std::uint32_t>(picture.height), 1, 1);

@@ -62,8 +62,8 @@ void recordRescale(VkCommandBuffer commands, const RescalePass& pass, const Scal
     const bool isEnlarged = sizes.isEnlarging();
     assert(isEnlarged || !places);
     const ComputePipeline& pipeline = !isEnlarged ? pass.any : places ? pass.enlargeByPlaces : pass.enlarge;
-    const VkPipelineLayout layout = pipeline.layout;
-    vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline.pipeline);
+    const VkPipelineLayout layout = pipeline.layout();
+    bind(commands, pipeline);
     vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, layout, 0, 1, &from.set, 0, nullptr);
     vkCmdPushConstants(commands, layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof constants, &constants);
     const std::uint32_t rows = isEnlarged ? kEnlargedRows : 1;

@@ -32,9 +32,9 @@ std::uint32_t groupsOf(int pixels, std::uint32_t size) {
 
 void dispatch(VkCommandBuffer commands, const ComputePipeline& pipeline, VkDescriptorSet eyeSet,
               const ResolveConstants& constants, std::uint32_t groupsOfRow) {
-    vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline.pipeline);
-    vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline.layout, 0, 1, &eyeSet, 0, nullptr);
-    vkCmdPushConstants(commands, pipeline.layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof constants, &constants);
+    bind(commands, pipeline);
+    vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline.layout(), 0, 1, &eyeSet, 0, nullptr);
+    vkCmdPushConstants(commands, pipeline.layout(), VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof constants, &constants);
     vkCmdDispatch(commands, groupsOfRow, static_cast<std::uint32_t>(constants.height), 1);
 }
 

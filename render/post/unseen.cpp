@@ -71,10 +71,10 @@ void recordUnseen(VkCommandBuffer commands, const ComputePipeline& pipeline, con
                   VkDescriptorSet eyeSet, const scene::View& eye, const Quality& quality) {
     const UnseenConstants constants = unseenConstants(coverage.cornerInWorld(), coverage.edgeMetres(), eye, quality);
     const std::array sets{eyeSet, coverage.set()};
-    vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline.pipeline);
-    vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline.layout, 0,
+    bind(commands, pipeline);
+    vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline.layout(), 0,
                             static_cast<std::uint32_t>(sets.size()), sets.data(), 0, nullptr);
-    vkCmdPushConstants(commands, pipeline.layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof constants, &constants);
+    vkCmdPushConstants(commands, pipeline.layout(), VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof constants, &constants);
     const auto blocks = [](int pixels) { return (static_cast<std::uint32_t>(pixels) + kBeamPixels - 1) / kBeamPixels; };
     vkCmdDispatch(commands, blocks(eye.camera.width), blocks(eye.camera.height), 1);
 }

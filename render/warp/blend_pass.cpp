@@ -62,19 +62,19 @@ void recordBlend(VkCommandBuffer commands, const BlendPass& pass, const GpuScene
     vkCmdFillBuffer(commands, target.sums.handle(), 0,
                     kSumBytes * static_cast<VkDeviceSize>(width) * static_cast<VkDeviceSize>(height), 0);
     record(commands, kAfterClearedSums);
-    const VkPipelineLayout layout = pass.add.layout;
+    const VkPipelineLayout layout = pass.add.layout();
     const std::array sets{eyeSet, target.sets[slot]};
-    vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pass.add.pipeline);
+    bind(commands, pass.add);
     vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, layout, 1, 2, sets.data(), 0, nullptr);
     recordRuns(commands, layout, scene, runs, width, height);
 }
 
 void recordBlendResolve(VkCommandBuffer commands, const BlendPass& pass, VkDescriptorSet eyeSet,
                         const BlendTarget& target, std::size_t slot, int width, int height) {
-    const VkPipelineLayout layout = pass.resolve.layout;
+    const VkPipelineLayout layout = pass.resolve.layout();
     const std::array sets{eyeSet, target.sets[slot]};
     const BlendResolveConstants constants{width};
-    vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pass.resolve.pipeline);
+    bind(commands, pass.resolve);
     vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, layout, 0, 2, sets.data(), 0, nullptr);
     vkCmdPushConstants(commands, layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof constants, &constants);
     vkCmdDispatch(commands, static_cast<std::uint32_t>(height), 1, 1);

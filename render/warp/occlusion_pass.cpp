@@ -41,8 +41,8 @@ void recordPassing(VkCommandBuffer commands, const OcclusionPass& pass, std::spa
     record(commands, kBeforeSizes);
     vkCmdUpdateBuffer(commands, passedRuns.handle(), 0, none.size_bytes(), none.data());
     record(commands, kAfterOccludersWarp);
-    const VkPipelineLayout layout = pass.occluders.layout;
-    vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pass.occluders.pipeline);
+    const VkPipelineLayout layout = pass.occluders.layout();
+    bind(commands, pass.occluders);
     vkCmdPushConstants(commands, layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof constants, &constants);
     for (const VkDescriptorSet& eyeSet : eyeSets) {
         vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, layout, 0, 1, &eyeSet, 0, nullptr);
@@ -86,8 +86,8 @@ void recordWarpInBatches(VkCommandBuffer commands, const OcclusionPass& pass, co
         const OccluderConstants occluders{width, height, closesGaps ? 1 : 0, hasLooked ? 1 : 0};
         hasLooked = true;
         recordPassing(commands, pass, std::span(&eyeSet, 1), occluders, target.passedRuns, none, [&] {
-            const VkPipelineLayout layout = pass.cull.layout;
-            vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pass.cull.pipeline);
+            const VkPipelineLayout layout = pass.cull.layout();
+            bind(commands, pass.cull);
             vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, layout, 0, 1, &eyeSet, 0, nullptr);
             const std::uint32_t atOnce = kMaxWorkgroups * pass.cullSize;
             for (std::uint32_t done = 0; done < tiles; done += atOnce) {

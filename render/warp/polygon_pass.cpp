@@ -182,9 +182,10 @@ void recordPolygonMerge(VkCommandBuffer commands, const PolygonPass& pass, const
                         VkDescriptorSet eyeSet, int width, int height) {
     const PolygonMergeConstants constants{width, pass.samples};
     const std::array sets{eyeSet, target.set};
-    vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pass.merge.pipeline);
-    vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pass.merge.layout, 0, 2, sets.data(), 0, nullptr);
-    vkCmdPushConstants(commands, pass.merge.layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof constants, &constants);
+    bind(commands, pass.merge);
+    vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pass.merge.layout(), 0, 2, sets.data(), 0,
+                            nullptr);
+    vkCmdPushConstants(commands, pass.merge.layout(), VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof constants, &constants);
     vkCmdDispatch(commands, static_cast<std::uint32_t>(height), 1, 1);
 }
 

@@ -17,8 +17,8 @@ constexpr std::uint32_t kStorageBuffers = 2 * kEyeStorageBuffers + kStereoBindin
 constexpr std::uint32_t kSets = 4;
 
 void use(VkCommandBuffer commands, const ComputePipeline& pipeline, std::span<const VkDescriptorSet> sets) {
-    vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline.pipeline);
-    vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline.layout, 0,
+    bind(commands, pipeline);
+    vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline.layout(), 0,
                             static_cast<std::uint32_t>(sets.size()), sets.data(), 0, nullptr);
 }
 
@@ -31,7 +31,7 @@ const ComputePipeline& useForRun(VkCommandBuffer commands, const StereoPass& pas
 }
 
 void push(VkCommandBuffer commands, const ComputePipeline& pipeline, const auto& constants) {
-    vkCmdPushConstants(commands, pipeline.layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof constants, &constants);
+    vkCmdPushConstants(commands, pipeline.layout(), VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof constants, &constants);
 }
 
 } // namespace

@@ -94,8 +94,15 @@ WarpPass makeWarpPass(const Device& device, Warp warp, VkDescriptorSetLayout pag
     pass.any = maker.make(kDrawsAll, largePieces);
     pass.plain = maker.make(kDrawsPlain, largePieces);
     if (warp == Warp::points || warp == Warp::mesh) pass.small = maker.make(kDrawsSmall, largePieces);
-    if (lists) pass.listed = maker.make(kDrawsAll, kDrawsListed);
+    if (device.isProcessor())
+        pass.wide = maker.hasLarge() ? maker.make(kDrawsAll, kListsLarge) : maker.makeOfMany(kWidePointsTogether);
+    if (maker.hasLarge()) pass.listed = maker.make(kDrawsAll, kDrawsListed);
     return pass;
+}
+
+void compile(const WarpPass& pass) {
+    for (const ComputePipeline& pipeline : {pass.any, pass.plain, pass.small, pass.wide, pass.listed})
+        if (pipeline) pipeline.handle();
 }
 
 std::uint32_t togetherFor(const Device& device, std::uint32_t onCards, std::uint32_t mostPoints,
@@ -104,14 +111,6 @@ std::uint32_t togetherFor(const Device& device, std::uint32_t onCards, std::uint
     if (!device.isProcessor()) return size;
     const std::uint32_t ofOneVector = size * mostInTurn;
     return size * std::max((mostPoints + ofOneVector - 1) / ofOneVector, 1u);
-}
-
-void prepareForWide(const Device& device, Warp warp, VkDescriptorSetLayout pageLayout, VkDescriptorSetLayout eyeLayout,
-                    WarpPass& pass) {
-    if (!device.isProcessor() || pass.wide.pipeline != VK_NULL_HANDLE) return;
-    const Maker maker(device, warp, pageLayout, eyeLayout);
-    pass.wide = maker.hasLarge() ? maker.make(kDrawsAll, kListsLarge) : maker.makeOfMany(kWidePointsTogether);
-    if (maker.hasLarge()) pass.listed = maker.make(kDrawsAll, kDrawsListed);
 }
 
 void bindPage(VkCommandBuffer commands, VkPipelineLayout layout, const GpuScene& scene, const DrawRun& run) {
@@ -144,15 +143,15 @@ namespace {
 template <class RecordOne>
 void recordEach(VkCommandBuffer commands, const WarpPasses& passes, VkDescriptorSet eyeSet,
                 std::span<const DrawRun> runs, RecordOne&& recordOne) {
-    VkPipeline bound = VK_NULL_HANDLE;
+    ComputePipeline bound;
     for (std::size_t i = 0; i < runs.size(); ++i) {
         const ComputePipeline& of = passes[static_cast<std::size_t>(runs[i].warp)].of(runs[i]);
-        if (of.pipeline != bound) {
-            vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, of.pipeline);
-            vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, of.layout, 1, 1, &eyeSet, 0, nullptr);
-            bound = of.pipeline;
+        if (of != bound) {
+            bind(commands, of);
+            vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, of.layout(), 1, 1, &eyeSet, 0, nullptr);
+            bound = of;
         }
-        recordOne(of.layout, i);
+        recordOne(of.layout(), i);
     }
 }
 
@@ -197,10 +196,10 @@ void recordListed(VkCommandBuffer commands, const WarpPasses& passes, const GpuS
             record(commands, kBeforeDrawing);
             isFirst = false;
         }
-        vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, listed.pipeline);
-        vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, listed.layout, 1, 1, &eyeSet, 0, nullptr);
-        bindPage(commands, listed.layout, scene, run);
-        push(commands, listed.layout, {run.first, width, height, run.count});
+        bind(commands, listed);
+        vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, listed.layout(), 1, 1, &eyeSet, 0, nullptr);
+        bindPage(commands, listed.layout(), scene, run);
+        push(commands, listed.layout(), {run.first, width, height, run.count});
         vkCmdDispatchIndirect(commands, target.listedGroups.handle(), 0);
     }
 }

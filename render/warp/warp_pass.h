@@ -18,22 +18,25 @@ struct EyeTarget;
 struct WarpPass {
     ComputePipeline any, plain; ///< plain: for runs of plain tiles
     ComputePipeline small;      ///< for runs of small tiles, where those have one of their own
-    ComputePipeline wide;       ///< for runs of wide tiles, where those need one of their own (prepareForWide)
+    ComputePipeline wide;       ///< for runs of wide tiles, where those need one of their own: few frames have any
     /// Draws parts of large pieces that the others have put on a list (shaders/shared/large_part.h); none if they do
     /// not.
     ComputePipeline listed;
     const ComputePipeline& of(const DrawRun& run) const {
-        if (run.reach == Reach::wide && wide.pipeline != VK_NULL_HANDLE) return wide;
-        if (run.reach == Reach::small && small.pipeline != VK_NULL_HANDLE) return small;
+        if (run.reach == Reach::wide && wide) return wide;
+        if (run.reach == Reach::small && small) return small;
         return run.reach == Reach::plain ? plain : any;
     }
     bool mayList(const DrawRun& run) const {
-        if (listed.pipeline == VK_NULL_HANDLE) return false;
-        if (wide.pipeline != VK_NULL_HANDLE) return run.reach == Reach::wide;
+        if (!listed) return false;
+        if (wide) return run.reach == Reach::wide;
         return run.reach >= Reach::any || run.warp != Warp::mesh;
     }
 };
 using WarpPasses = std::array<WarpPass, 4>; ///< by Warp
+
+/// Compiles all of them that there are.
+void compile(const WarpPass& pass);
 
 WarpPass makeWarpPass(const Device& device, Warp warp, VkDescriptorSetLayout pageLayout,
                       VkDescriptorSetLayout eyeLayout);
@@ -42,10 +45,6 @@ WarpPass makeWarpPass(const Device& device, Warp warp, VkDescriptorSetLayout pag
 /// mostPoints (lavapipe lets none go through loops for too long: shaders/shared/large_part.h).
 std::uint32_t togetherFor(const Device& device, std::uint32_t onCards, std::uint32_t mostPoints,
                           std::uint32_t mostInTurn);
-
-/// Makes what runs of wide tiles need, if that is not there yet: few frames have any.
-void prepareForWide(const Device& device, Warp warp, VkDescriptorSetLayout pageLayout, VkDescriptorSetLayout eyeLayout,
-                    WarpPass& pass);
 
 /// Dispatches one workgroup for each tile of the runs, with the page at set 0 of the bound pipeline and WarpConstants
 /// pushed.

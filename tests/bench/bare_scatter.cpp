@@ -68,9 +68,9 @@ double BareScatter::run(const scene::View& view) {
     vkCmdFillBuffer(commands, zBuffer_.handle(), 0, VK_WHOLE_SIZE, 0);
     record(commands, {kStages, kAll, kStages, kAll});
     timer_.mark(commands, "clear");
-    vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline_.pipeline);
-    vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline_.layout, 0, 1, &set_, 0, nullptr);
-    vkCmdPushConstants(commands, pipeline_.layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof constants, &constants);
+    bind(commands, pipeline_);
+    vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline_.layout(), 0, 1, &set_, 0, nullptr);
+    vkCmdPushConstants(commands, pipeline_.layout(), VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof constants, &constants);
     vkCmdDispatch(commands, (constants.count + kWorkgroupSize - 1) / kWorkgroupSize, 1, 1);
     record(commands, {kStages, kAll, kStages, kAll});
     timer_.mark(commands, "scatter");

@@ -64,10 +64,11 @@ TEST_F(PipelineStoreTest, MakesWhatIsTheSameOnce) {
 
     const VkDescriptorSetLayout eye = makeEyeLayout(device);
     const OcclusionPass one = makeOcclusionPass(device, eye), again = makeOcclusionPass(device, eye);
-    EXPECT_EQ(again.cull.pipeline, one.cull.pipeline);
-    EXPECT_EQ(again.cull.layout, one.cull.layout);
-    EXPECT_EQ(again.occluders.pipeline, one.occluders.pipeline);
-    EXPECT_NE(one.cull.pipeline, one.occluders.pipeline);
+    EXPECT_EQ(again.cull.handle(), one.cull.handle());
+    EXPECT_EQ(again.cull.layout(), one.cull.layout());
+    EXPECT_EQ(again.occluders.handle(), one.occluders.handle());
+    EXPECT_NE(one.cull.handle(), one.occluders.handle());
+    EXPECT_TRUE(again.cull == one.cull && one.cull != one.occluders);
 }
 
 TEST(Check, ThrowsWithTheLineThatAsked) {
