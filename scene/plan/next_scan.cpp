@@ -153,6 +153,22 @@ std::optional<double> floorUnder(const Coverage& coverage, const Pose& walkFromW
     return std::abs(floor) <= options.floorToleranceMetres ? std::optional(floor) : std::nullopt;
 }
 
+/// Whether what bears the tripod is raised above floor that was seen beside it, as seats, beds and tables are.
+bool isRaised(const Coverage& coverage, const Pose& walkFromWorld, const glm::dvec3& floorInWalk,
+              const NextScanOptions& options) {
+    constexpr int kRings = 2, kSpokes = 12;
+    for (int k = 0; k < kRings * kSpokes; ++k) {
+        const double radius = options.besideMetres * (1 + k / kSpokes) / kRings;
+        const double angle = 2 * 3.14159265358979323846 * k / kSpokes;
+        const std::optional<double> beside = floorUnder(
+            coverage, walkFromWorld,
+            {floorInWalk.x + radius * std::cos(angle), options.tripodMetres, floorInWalk.z + radius * std::sin(angle)},
+            options);
+        if (beside && *beside < floorInWalk.y - options.mostRaisedMetres) return true;
+    }
+    return false;
+}
+
 /// Whether an upright cylinder was seen empty, at points a hand apart.
 bool isClear(const Coverage& coverage, const Pose& worldFromWalk, const glm::dvec3& floorInWalk,
              const NextScanOptions& options) {
@@ -190,7 +206,9 @@ std::vector<glm::dvec3> findStandingPlaces(const Coverage& coverage, const Pose&
                 glm::dvec3 at = walkFromWorld * (worldFromBounds * ground);
                 at.y = options.tripodMetres;
                 const std::optional<double> floor = floorUnder(coverage, walkFromWorld, at, options);
-                if (!floor || !isClear(coverage, worldFromWalk, {at.x, *floor, at.z}, options)) continue;
+                if (!floor || !isClear(coverage, worldFromWalk, {at.x, *floor, at.z}, options) ||
+                    isRaised(coverage, walkFromWorld, {at.x, *floor, at.z}, options))
+                    continue;
                 found[row].push_back(worldFromWalk * glm::dvec3(at.x, *floor + options.tripodMetres, at.z));
             }
         });

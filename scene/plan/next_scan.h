@@ -37,7 +37,9 @@ struct NextScanOptions {
     double clearanceMetres = 0.3;                      ///< about the tripod
     double clearFromMetres = 0.3, clearToMetres = 1.8; ///< above the floor
     double floorToleranceMetres = 0.5;                 ///< a floor may lie so far above or below walk's Y = 0
-    double leastShare = 0.005;                         ///< of all that is unseen; what would see less is not proposed
+    /// Nothing may bear a tripod that is so much higher than a floor that near it: kerbs may, seats and beds may not.
+    double mostRaisedMetres = 0.25, besideMetres = 1.0;
+    double leastShare = 0.005;       ///< of all that is unseen; what would see less is not proposed
     double leastShareOfBox = 0.0015; ///< of the whole box: slivers along surfaces are unseen in every scene
     ScanRays rays;
 };

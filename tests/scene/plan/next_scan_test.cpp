@@ -254,6 +254,33 @@ TEST(NextScan, PlacesThatAreNone) {
     EXPECT_TRUE(planNextScans({}, walkFromUpright(), {}, {}).scans.empty());
 }
 
+TEST(NextScan, NoTripodStandsOnABedAndOneMayStandOnAPavement) {
+    Place bedroom("bedroom", 0.3, {20, 10, 0});
+    const glm::dvec3 bedFrom(2.5, 1, 0), bedTo(4.1, 3, 0.42);
+    const SyntheticScene truth = bedroom.shell(8, 6, 2.6).box(bedFrom, bedTo).box({5.5, 3.5, 0}, {8, 6, 0.15}).build();
+    const std::vector<glm::dvec3> stood{bedroom.at(4.6, 4, 1.6), bedroom.at(1, 2, 1.6), bedroom.at(3.3, 0.5, 1.6)};
+    const Coverage coverage = scanFrom(truth, stood);
+    const UprightBounds bounds = findUprightBounds(coverage, walkFromUpright());
+    int onBed = 0, onPavement = 0, besideBed = 0;
+    const auto count = [&](const NextScanOptions& options) {
+        onBed = onPavement = besideBed = 0;
+        for (const glm::dvec3& world : findStandingPlaces(coverage, walkFromUpright(), bounds, options)) {
+            const glm::dvec3 p = bedroom.back(world);
+            const bool overBed = p.x > bedFrom.x && p.x < bedTo.x && p.y > bedFrom.y && p.y < bedTo.y;
+            onBed += overBed, onPavement += p.x > 5.5 && p.y > 3.5;
+            besideBed += !overBed && p.x > bedFrom.x - 1 && p.x < bedTo.x + 1 && p.y < bedTo.y + 1;
+        }
+    };
+    count({});
+    EXPECT_EQ(onBed, 0);
+    EXPECT_GT(onPavement, 0);
+    EXPECT_GT(besideBed, 0);
+    NextScanOptions unasked;
+    unasked.mostRaisedMetres = unasked.floorToleranceMetres;
+    count(unasked);
+    EXPECT_GT(onBed, 0) << "or the bed was never a place";
+}
+
 TEST(NextScan, NoMoreThanThereArePlaces) {
     // A floor over the lowest quarter, seen-empty space over it but for one unseen column.
     Coverage coverage{{-2, -2, -1}, 4, std::vector<CoverageNode>(1)};
