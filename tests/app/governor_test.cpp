@@ -3,6 +3,7 @@
 #include "app/governed_quality.h"
 #include "app/governor.h"
 #include "app/quality_file.h"
+#include "tests/repetitions.h"
 
 #include <gtest/gtest.h>
 
@@ -117,7 +118,7 @@ TEST(Governor, DoesNotSwingBetweenTwoRungs) {
             Device device{.load = [&](int) { return load * noise(random); }};
             for (double& cost : device.costs)
                 cost = std::pow(cost, wrong);
-            const int minutes = 3, frames = 100 * 60 * minutes;
+            const int frames = 100 * 60 * tests::repetitions(3);
             const Ride steady = ride(device, frames);
             EXPECT_LT(steady.governor.changes().size(), 16u + 2 * frames / 1920)
                 << load << ", costs to the power " << wrong;

@@ -3,6 +3,7 @@
 #include "tests/input/walker.h"
 
 #include "scene/synthetic_random.h"
+#include "tests/repetitions.h"
 
 #include <gtest/gtest.h>
 
@@ -159,7 +160,7 @@ TEST(Locomotion, AMillionWishesTiltNothingAndStayFinite) {
     const auto any = [&] { return random.between(-1, 1); };
     const Surroundings surroundings = room();
     Locomotion state;
-    for (int i = 0; i < 1000000; ++i) {
+    for (int i = 0; i < tests::repetitions(1000000); ++i) {
         Wants wants = standing();
         wants.trackingFromHead = poseAt({any(), 1.6 + 0.3 * any(), any()}, 3 * any(), any());
         wants.move = {any(), any()}, wants.turn = any(), wants.turnBy = 0.1 * any();

@@ -4,6 +4,7 @@
 #include "scene/refine/colour_evening.h"
 #include "scene/synthetic_random.h"
 
+#include "tests/repetitions.h"
 #include "tests/scene/known_scenes.h"
 
 #include <algorithm>
@@ -102,7 +103,8 @@ bool areSame(const Pose& a, const Pose& b) {
 }
 
 TEST(JointImages, PosesThatAreOffByPixelsAreFoundAgain) {
-    for (unsigned seed = 1; seed <= 5; ++seed) {
+    const auto seeds = static_cast<unsigned>(tests::repetitions(5));
+    for (unsigned seed = 1; seed <= seeds; ++seed) {
         std::vector<DepthImage> images = taken(truth(), seed);
         disturb(images, 100 + seed);
         const Errors before = errorsBetweenNeighbours(posesOf(images), truth());

@@ -3,6 +3,7 @@
 
 #include "scene/plan/simplex.h"
 #include "scene/plan/walk_cells.h"
+#include "tests/repetitions.h"
 #include "tests/scene/random_poses.h"
 
 #include <gtest/gtest.h>
@@ -233,7 +234,7 @@ TEST(WalkCells, LocateFindsTheCellThatHoldsThePlaceFromAnywhere) {
     const Positions positions = scattered(300, 31);
     const WalkCells cells(positions);
     RandomPlaces places(32);
-    for (int i = 0; i < 2000; ++i) {
+    for (int i = 0; i < tests::repetitions(2000); ++i) {
         const glm::dvec3 p = places.point(3);
         const auto from =
             static_cast<std::uint32_t>(places.integerBetween(0, static_cast<int>(cells.cells().size()) - 1));
@@ -261,7 +262,7 @@ glm::dvec3 somethingToCross(const WalkCells& cells, int kind, RandomPlaces& plac
 
 TEST(WalkCells, SharesNeverJumpAlongAnyPath) {
     constexpr double kStepMetres = 0.001;
-    constexpr int kPaths = 1000, kStepsEachWay = 60;
+    constexpr int kPaths = tests::repetitions(1000), kStepsEachWay = 60;
     const std::vector<Lying> ways = allWays();
     std::vector<WalkCells> all;
     for (const Lying& way : ways)
