@@ -232,6 +232,10 @@ ImportedImages importImages(scene::Capture& capture, const std::vector<std::size
             tell(capture, "Scan '" + scan.name +
                               "' is denser than its images may be within --memory: where it is densest, several of its "
                               "points share a sample.");
+        if (points.at("held") == 0) {
+            tell(capture, "Scan '" + scan.name + "' holds no point with range: nothing of it is in the scene.");
+            continue;
+        }
         const double rays = static_cast<double>(scan.rows) * static_cast<double>(scan.columns);
         const double sky = points.at("sky_share").get<double>();
         const double without = rays > 0 ? 1 - points.at("points").get<double>() / rays - sky : 0;

@@ -8,6 +8,9 @@
 #include "scene/refine/open_spaces.h"
 #include "scene/scene_file.h"
 
+#include <algorithm>
+#include <iterator>
+
 namespace app {
 
 namespace {
@@ -60,6 +63,14 @@ Overlaps findOverlaps(const ImportedImages& imported, const BuildOptions& option
     for (const auto& partners : overlaps.partners)
         overlaps.pairs += std::ssize(partners);
     overlaps.pairs /= 2;
+    std::vector<float> shown;
+    for (const scene::ImageOutline& outline : outlines)
+        std::copy_if(outline.disparity.begin(), outline.disparity.end(), std::back_inserter(shown),
+                     [](float disparity) { return disparity > 0; });
+    if (shown.empty()) return overlaps;
+    const auto middle = shown.begin() + std::ssize(shown) / 2;
+    std::nth_element(shown.begin(), middle, shown.end());
+    overlaps.medianMetres = 1.0 / *middle;
     return overlaps;
 }
 

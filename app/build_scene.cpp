@@ -11,6 +11,9 @@
 #include "scene/unfinished_file.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
 #include <iterator>
 
 namespace app {
@@ -92,6 +95,19 @@ void sayIfAtOnePlace(const BuildOptions& options, scene::Capture& capture) {
     }
 }
 
+/// Scanners and depth cameras of our day see neither so near nor so far; files in millimetres look as if they did.
+void sayIfOtherUnits(double medianMetres, scene::Capture& capture) {
+    constexpr double kNearest = 0.05, kFarthest = 300;
+    if (medianMetres == 0 || (medianMetres >= kNearest && medianMetres <= kFarthest)) return;
+    const double step = std::pow(10, std::floor(std::log10(medianMetres)));
+    std::array<char, 32> metres{};
+    std::snprintf(metres.data(), metres.size(), medianMetres < 1 ? "%.4f" : "%.0f",
+                  step * std::round(medianMetres / step));
+    tell(capture, std::string("What images and scans show is some ") + metres.data() +
+                      " m away: if that is not so, their unit is not the metre (millimetres?); export "
+                      "them in metres.");
+}
+
 /// The stages of a build, one after the other.
 void runStages(scene::Capture& capture, const scene::HeldOut& heldOut, const BuildOptions& options, StageStore& store,
                const std::filesystem::path& output) {
@@ -105,6 +121,7 @@ void runStages(scene::Capture& capture, const scene::HeldOut& heldOut, const Bui
                                   ? importImages(capture, heldOut.photos, photographs, options, store)
                                   : capturePolygons(capture, options, store);
     const Overlaps overlaps = findOverlaps(imported, options);
+    sayIfOtherUnits(overlaps.medianMetres, capture);
     const double spentStops =
         reports.photographEvening.is_null() ? 0 : reports.photographEvening.at("most_stops").get<double>();
     reports.evening = evenImages(imported, overlaps, options, store, spentStops);

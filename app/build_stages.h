@@ -81,6 +81,7 @@ ImportedImages capturePolygons(scene::Capture& capture, const BuildOptions& opti
 struct Overlaps {
     std::vector<std::vector<scene::Partner>> partners;
     std::int64_t pairs = 0;
+    double medianMetres = 0; ///< of all that images show, along their axes; 0 where they show nothing
 };
 Overlaps findOverlaps(const ImportedImages& imported, const BuildOptions& options);
 

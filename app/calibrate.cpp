@@ -1,6 +1,7 @@
 #include "app/calibrate.h"
 
 #include "app/build_stages.h"
+#include "app/output_file.h"
 #include "app/say.h"
 #include "app/stage_store.h"
 
@@ -58,6 +59,9 @@ Json describe(const scene::BoardPicture& picture) {
 } // namespace
 
 void calibrateCamera(const CalibrateOptions& options) {
+    checkReplaceableFile(options.output, options.inputs, [](const Json& of) {
+        return of.is_object() && of.contains("fx") && of.contains("focal_deviation_px");
+    });
     const scene::CameraCalibration found = scene::calibrateCamera(picturesOf(options.inputs), options.board);
     Json pictures = Json::array();
     for (const scene::BoardPicture& picture : found.pictures) {
@@ -98,6 +102,9 @@ void calibrateCamera(const CalibrateOptions& options) {
 }
 
 void calibrateScanner(const CalibrateOptions& options) {
+    checkReplaceableFile(options.output, options.inputs, [](const Json& of) {
+        return of.is_object() && of.contains("believed") && of.contains("constants");
+    });
     const scene::Capture capture = scene::openCapture(options.inputs);
     if (capture.scans.empty())
         throw scene::Failure("holds no laser scan", options.inputs.front(),

@@ -15,6 +15,8 @@ class DamageTeller {
   public:
     /// A sentence for each image of which chunks have been found damaged since, that was not told of before.
     std::vector<std::string> news(render::GpuScene& gpuScene, const scene::Scene& scene);
+    /// A sentence for each image of which nothing can be read.
+    static std::vector<std::string> lost(const scene::Scene& scene);
     std::size_t chunks() const { return chunks_.size(); } ///< found damaged so far
 
   private:

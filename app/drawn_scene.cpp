@@ -16,6 +16,9 @@ DrawnScene::DrawnScene(const scene::Scene& given, const DrawOptions& options) : 
     memory.budgetBytes = options.memoryBytes;
     mayShowUnseen = !options.hideUnseen;
     leastCoverageCellMetres = options.coverageCellMetres;
+    if (leastCoverageCellMetres > 0 && !scene.coverage)
+        sayNote("--coverage-cell changes nothing: the scene does not say what was never observed; build it again with "
+                "'revisit build --coverage'");
     if (options.polygons.empty()) return;
     polygons = scene::readPolygons(options.polygons);
     for (const std::string& remark : polygons->remarks)

@@ -71,12 +71,19 @@ void FrameReport::add(const render::FrameStats& stats, double wallMilliseconds) 
         samples += static_cast<double>(eye.samplesDrawn);
         triangles += static_cast<double>(eye.trianglesDrawn);
     }
+    hasDrawn_ = hasDrawn_ || samples > 0 || triangles > 0;
     tested_.add(tested), rejected_.add(rejected), drawn_.add(drawn), samples_.add(samples), triangles_.add(triangles);
 }
 
 json toJson(const render::GpuCoverage* coverage) {
     if (coverage == nullptr) return nullptr;
     return {{"bytes", coverage->bytes()}, {"finest_m", coverage->finestCellMetres()}, {"levels", coverage->levels()}};
+}
+
+std::optional<std::string> FrameReport::remark() const {
+    if (frames_ == 0 || hasDrawn_) return std::nullopt;
+    return "nothing of the scene is in view in any frame: if that is not what was meant, look at the path or the "
+           "cameras; positions are in metres, in space \"walk\" from where the scene's walk starts, with +Y up";
 }
 
 json FrameReport::summarise(const render::Device& device, const render::GpuScene& scene, json settings) const {

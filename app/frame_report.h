@@ -8,6 +8,7 @@
 
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 
 #include <nlohmann/json.hpp>
@@ -28,6 +29,9 @@ class FrameReport {
     /// wallMilliseconds: from the call of draw until the frame was finished on the device.
     void add(const render::FrameStats& stats, double wallMilliseconds);
 
+    /// What there is to say where frames were drawn and nothing of the scene was in any of them.
+    std::optional<std::string> remark() const;
+
     /// Median, p95, p99 and maximum of every step, tiles and samples; `settings` (warp, size, eyes, ...) goes in as it
     /// is.
     nlohmann::json summarise(const render::Device& device, const render::GpuScene& scene,
@@ -36,6 +40,7 @@ class FrameReport {
   private:
     std::map<std::string, Spread> milliseconds_; ///< by "cpu.cull.left" and so on
     Spread tested_, rejected_, drawn_, samples_, triangles_;
+    bool hasDrawn_ = false; ///< a sample or a triangle
     std::size_t frames_ = 0, framesInOnePass_ = 0, framesStanding_ = 0;
     render::FrameStats last_;
 };

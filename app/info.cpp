@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <cstdio>
+#include <optional>
 #include <set>
 #include <string>
 #include <utility>
@@ -138,6 +139,10 @@ void printPhotographs(const json& photographs) {
                         photo.at("deviation_deg").get<double>());
         else
             std::printf(" (%s)", shown(photo.at("why")).c_str());
+        // Of what was not found there is none.
+        const json& deviation = photo.at("deviation_deg");
+        if (!photo.at("sure").get<bool>() && deviation.is_number() && deviation > 0)
+            std::printf("; its turn is known to %.3f degrees", deviation.get<double>());
         std::printf("; the next best turn scores %s, %s of its parts agree\n",
                     shareText(photo.at("rival_share"), 1).c_str(), shareText(photo.at("agreeing"), 1).c_str());
     }
@@ -191,28 +196,10 @@ void printNotes(const Notes& notes) {
     }
 }
 
-} // namespace
-
-void printInfo(const std::filesystem::path& folder, bool asJson) {
-    const scene::Scene scene = scene::openScene(folder);
-    json info = json::parse(scene.manifest);
-    const Notes notes = NotesFile(folder).read();
-    info["notes"] = json::array();
-    for (const Note& note : notes.list)
-        info["notes"].push_back(note.fields);
-    info["bytes_on_disk"] = bytesOnDisk(folder);
-    info["tiles_bytes"] = scene.tilesFile.bytes().size();
-    const Extent extent = extentOf(scene);
-    info["extent"] = {{"places_m", {extent.placesMetres.x, extent.placesMetres.y, extent.placesMetres.z}},
-                      {"median_depth_m", extent.medianMetres},
-                      {"nearly_all_depth_m", extent.nearlyAllMetres}};
-    if (asJson) {
-        std::printf("%s\n", info.dump(1, ' ', false, json::error_handler_t::replace).c_str());
-        return;
-    }
+void printText(const scene::Scene& scene, const json& info, const Extent& extent, const Notes& notes) {
     const json& f = info.at("figures");
     const auto number = [&](const char* key) { return f.at(key).get<double>(); };
-    std::printf("%s\n", folder.string().c_str());
+    std::printf("%s\n", scene.folder.string().c_str());
     for (const json& input : info.at("provenance").at("inputs"))
         std::printf("  from       %s\n", shown(input).c_str());
     std::printf("  images     %zu, %zu held out, %.0f overlapping pairs\n", scene.images.size(), scene.heldOut.size(),
@@ -258,6 +245,35 @@ void printInfo(const std::filesystem::path& folder, bool asJson) {
     for (const json& remark : info.at("provenance").at("remarks"))
         std::printf("  note       %s\n", shown(remark).c_str());
     printNotes(notes);
+}
+
+} // namespace
+
+void printInfo(const std::filesystem::path& folder, bool asJson) {
+    const scene::Scene scene = scene::openScene(folder);
+    json info = json::parse(scene.manifest);
+    Notes notes;
+    std::optional<scene::Failure> damage; // of the notes: the rest of the scene is as good as it was, and told
+    info["notes"] = json::array();
+    try {
+        notes = NotesFile(folder).read();
+        for (const Note& note : notes.list)
+            info["notes"].push_back(note.fields);
+    } catch (const scene::Failure& failure) {
+        info["notes"] = nullptr;
+        damage = failure;
+    }
+    info["bytes_on_disk"] = bytesOnDisk(folder);
+    info["tiles_bytes"] = scene.tilesFile.bytes().size();
+    const Extent extent = extentOf(scene);
+    info["extent"] = {{"places_m", {extent.placesMetres.x, extent.placesMetres.y, extent.placesMetres.z}},
+                      {"median_depth_m", extent.medianMetres},
+                      {"nearly_all_depth_m", extent.nearlyAllMetres}};
+    if (asJson)
+        std::printf("%s\n", info.dump(1, ' ', false, json::error_handler_t::replace).c_str());
+    else
+        printText(scene, info, extent, notes);
+    if (damage) throw *damage;
 }
 
 } // namespace app

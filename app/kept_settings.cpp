@@ -30,9 +30,7 @@ void KeptSettings::keep(const input::Settings& settings) const {
         const std::string text = input::textOf(settings, file_);
         std::error_code error;
         fs::create_directories(file_.parent_path(), error); // writing tells
-        // Some keep their settings elsewhere and a link here.
-        const fs::path target = fs::weakly_canonical(file_, error);
-        writeWhole(error ? file_ : target, text);
+        writeWhole(file_, text);                            // through a link: some keep their settings elsewhere
     } catch (const scene::Failure& failure) {
         tell_(failure.what());
     }

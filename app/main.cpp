@@ -344,7 +344,7 @@ void addCalibrate(CLI::App& program, app::CalibrateOptions& options) {
         ->add_option_function<std::string>(
             "--board",
             [&options](const std::string& text) {
-                std::tie(options.board.columns, options.board.rows) = app::parseSize(text);
+                std::tie(options.board.columns, options.board.rows) = app::parseSize(text, "--board", "9x6");
                 if (options.board.columns < 3 || options.board.rows < 3)
                     throw CLI::ValidationError("--board " + text, "has fewer than 3 inner corners to a side");
             },
@@ -362,6 +362,7 @@ void addCalibrate(CLI::App& program, app::CalibrateOptions& options) {
                      "pixels to each side of a corner that it is found from; 0: a quarter of the way to the next")
         ->check(CLI::Range(0, 100))
         ->capture_default_str();
+    calibrate->footer("Example:\n  revisit calibrate camera boards/*.jpg --board 9x6 --square-mm 25 -o camera.json");
     camera->footer("Example:\n  revisit calibrate camera boards/*.jpg --board 9x6 --square-mm 25 -o camera.json");
 
     CLI::App* scanner = add("scanner",
@@ -480,7 +481,9 @@ int main(int argc, char** argv) {
     // A file may not grow beyond what the user is allowed: told where it is written, as a full disk is.
     std::signal(SIGXFSZ, SIG_IGN);
     try {
-        return run(argc, argv);
+        const int outcome = run(argc, argv);
+        if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return outcome;
+        std::fprintf(stderr, "revisit: standard output: cannot be written to; check the disk it goes to\n");
     } catch (const std::bad_alloc&) {
         std::fprintf(stderr, "revisit: memory: not enough for this; lower --memory, or close other programs\n");
     } catch (const std::exception& e) {

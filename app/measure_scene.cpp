@@ -5,6 +5,7 @@
 #include "app/frame_report.h"
 #include "app/governor.h"
 #include "app/measure_table.h"
+#include "app/output_file.h"
 #include "app/progress.h"
 #include "app/selection.h"
 #include "app/stage_store.h"
@@ -105,6 +106,11 @@ std::string fileNameOf(std::string name) {
     return name;
 }
 
+/// The picture of a setting that is written beside its photograph.
+std::string worstOf(const std::string& setting) {
+    return "worst-" + fileNameOf(setting);
+}
+
 /// The drawn picture on the left, the photograph on the right.
 render::EyeImage sideBySide(const scene::Image<scene::Rgb8>& drawn, const scene::Image<scene::Rgb8>& truth) {
     render::EyeImage pair{{drawn.width() + truth.width(), drawn.height()}, {}, {}};
@@ -127,9 +133,10 @@ struct Drawn {
     }
 };
 
-/// Every setting from every camera; the worst picture of each setting is written beside its photograph.
-void compare(const MeasureOptions& o, const std::vector<TruthSource>& truths, const Drawn& on, const Plan& plan,
-             std::vector<MeasuredSetting>& measured) {
+/// Every setting from every camera; returns the worst picture of each setting that is in the table, beside its
+/// photograph.
+std::vector<render::EyeImage> compare(const std::vector<TruthSource>& truths, const Drawn& on, const Plan& plan,
+                                      std::vector<MeasuredSetting>& measured) {
     std::vector<double> worst(measured.size(), std::numeric_limits<double>::infinity());
     std::vector<render::EyeImage> worstPairs(measured.size());
     std::optional<render::Renderer> renderer;
@@ -155,8 +162,39 @@ void compare(const MeasureOptions& o, const std::vector<TruthSource>& truths, co
         }
         progress.advance();
     }
-    for (std::size_t i = 0; i < plan.ladderStart; ++i)
-        writePictures(worstPairs[i], o.out, "worst-" + fileNameOf(measured[i].name), false);
+    worstPairs.resize(plan.ladderStart);
+    return worstPairs;
+}
+
+bool isMeasured(const json& report) {
+    return report.value("revisit", json()) == "measure" && report.contains("settings") && report["settings"].is_array();
+}
+
+/// Throws scene::Failure where two settings would share a picture, or where a stranger's files would be replaced.
+void checkPictures(const std::filesystem::path& folder, std::span<const Preset> settings) {
+    std::vector<std::string> names{"table.md"};
+    for (const Preset& setting : settings) {
+        const std::string name = worstOf(setting.name) + ".png";
+        if (std::ranges::find(names, name) != names.end())
+            throw scene::Failure("would be the picture of two settings, one of them '" + setting.name + "'",
+                                 folder / name, "name settings so that they differ in more than spaces and slashes");
+        names.push_back(name);
+    }
+    checkReplaceableReport(folder, isMeasured, names);
+}
+
+/// Pictures that an earlier run wrote of settings which this one does not have. What its report does not name may be
+/// anybody's.
+void removeOlderPictures(const std::filesystem::path& folder, std::span<const MeasuredSetting> settings) {
+    const json report = reportIn(folder, isMeasured);
+    if (report.is_null()) return;
+    for (const json& setting : report["settings"]) {
+        if (!setting.is_object() || !setting.value("name", json()).is_string()) continue;
+        const std::string picture = worstOf(setting["name"].get<std::string>());
+        std::error_code ignored;
+        if (std::ranges::none_of(settings, [&](const auto& other) { return worstOf(other.name) == picture; }))
+            std::filesystem::remove(folder / (picture + ".png"), ignored);
+    }
 }
 
 /// Every setting at every place, in turn, so that whatever else the machine does meets all of them alike.
@@ -239,6 +277,7 @@ std::vector<Preset> sweepFrom(const render::Quality& start, const std::vector<st
 
 void measureScene(const MeasureOptions& o) {
     const Plan plan = planOf(o);
+    checkPictures(o.out, std::span(plan.settings).first(plan.ladderStart));
     const scene::Scene scene = scene::openScene(o.scene);
     const std::vector<TruthSource> truths = o.cameras.empty() ? heldOutTruths(scene) : truthsBeside(o.cameras);
     const std::vector<scene::Pose> heads = headsAlong(o, scene);
@@ -254,7 +293,7 @@ void measureScene(const MeasureOptions& o) {
         measured.push_back({.name = setting.name, .quality = toJson(setting.quality)});
     Selection selection(scene);
     const Drawn on{device, onDevice, selection};
-    compare(o, truths, on, plan, measured);
+    const std::vector<render::EyeImage> worst = compare(truths, on, plan, measured);
     time(o, heads, on, plan, measured);
 
     const std::span<const MeasuredSetting> all = measured;
@@ -274,6 +313,9 @@ void measureScene(const MeasureOptions& o) {
                       {"coverage", toJson(onDevice.coverage.get())},
                       {"settings", toJson(all.first(plan.ladderStart))},
                       {"governor_rungs", toJson(all.subspan(plan.ladderStart))}};
+    for (std::size_t i = 0; i < worst.size(); ++i)
+        writePictures(worst[i], o.out, worstOf(measured[i].name), false);
+    removeOlderPictures(o.out, all.first(plan.ladderStart));
     writeWhole(o.out / "report.json", report.dump(1, ' ', false, json::error_handler_t::replace) + "\n");
     const std::string table = tableOf(all, plan.ladderStart);
     writeWhole(o.out / "table.md", table);

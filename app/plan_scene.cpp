@@ -1,11 +1,14 @@
 #include "app/plan_scene.h"
 
+#include "app/output_file.h"
 #include "app/plan_picture.h"
+#include "app/say.h"
 #include "app/stage_store.h"
 
 #include "scene/errors.h"
 #include "scene/scene_file.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <string>
 #include <vector>
@@ -27,11 +30,47 @@ std::vector<glm::dvec3> placesOf(const scene::Scene& scene) {
     return places;
 }
 
+/// Places are no better than the poses of what they are reckoned from.
+void sayHowScansStand(const scene::Scene& scene, std::size_t places) {
+    const nlohmann::json manifest = nlohmann::json::parse(scene.manifest);
+    const nlohmann::json registration = manifest.value("registration", nlohmann::json());
+    if (registration.is_null()) {
+        if (places > 1 && manifest.at("figures").at("scan_points") > 0)
+            sayNote("scans are taken to stand where their files say: nobody has compared them ('revisit build "
+                    "--register auto' does)");
+        return;
+    }
+    const nlohmann::json& scans = registration.at("scans");
+    const auto apart =
+        std::ranges::count_if(scans, [](const nlohmann::json& scan) { return !scan.at("registered").get<bool>(); });
+    if (apart > 0)
+        sayNote(std::to_string(apart) + " of " + std::to_string(scans.size()) +
+                " scans could not be registered to the others and are taken to stand where their files say");
+}
+
+/// Neither the plan nor the picture, whose name nobody gave, takes the place of anything but those of before.
+void checkReplaceable(const std::filesystem::path& out, const std::filesystem::path& picture) {
+    std::error_code ignored;
+    if (std::filesystem::is_other(out, ignored))
+        throw scene::Failure("is no file, and a picture stands beside the plan", out, "name a file, as plan.json");
+    bool hasPicture = false; // of the plan that stands there
+    checkReplaceableFile(out, {}, [&](const nlohmann::json& plan) {
+        const bool isPlan = plan.is_object() && plan.value("revisit", nlohmann::json()) == "plan";
+        hasPicture = isPlan && plan.value("picture", nlohmann::json()) == picture.filename().string();
+        return isPlan;
+    });
+    if (!hasPicture && std::filesystem::exists(std::filesystem::symlink_status(picture, ignored)))
+        throw scene::Failure("would be replaced by the plan's picture, and is none", picture,
+                             "give another name with --out");
+}
+
 nlohmann::json toJson(const glm::dvec3& p) {
     return {p.x, p.y, p.z};
 }
 
 void print(const scene::NextScanPlan& plan, const PlanOptions& options) {
+    std::printf("%.1f m3 of the %.1f m3 within the upright box about all surfaces were never seen\n",
+                plan.unseenCubicMetres, plan.bounds.cubicMetres());
     if (plan.candidates == 0)
         std::printf("no place to stand was found: none with floor below it that was seen and %.1f m of space about it "
                     "that was seen empty\n",
@@ -56,7 +95,8 @@ void print(const scene::NextScanPlan& plan, const PlanOptions& options) {
 void planScene(const PlanOptions& options) {
     std::filesystem::path picture = options.out;
     picture.replace_extension(".png");
-    if (!options.out.has_filename() || std::filesystem::is_directory(options.out))
+    std::error_code ignored;
+    if (!options.out.has_filename() || std::filesystem::is_directory(options.out, ignored))
         throw scene::Failure("is a folder", options.out, "give the name of the JSON file to write, as plan.json");
     if (picture == options.out)
         throw scene::Failure("is the name of the picture", options.out,
@@ -64,6 +104,7 @@ void planScene(const PlanOptions& options) {
     const std::filesystem::path folder = std::filesystem::absolute(options.out).parent_path();
     if (!std::filesystem::is_directory(folder)) // said now, not when all is found out
         throw scene::Failure("no such folder", folder, "make it, or name a file elsewhere");
+    checkReplaceable(options.out, picture);
     const scene::Scene scene = scene::openScene(options.scene);
     if (!scene.coverage)
         throw scene::Failure("does not say what was never observed", options.scene,
@@ -91,6 +132,7 @@ void planScene(const PlanOptions& options) {
     writeWhole(picture, drawPlan(scene, plan, stood));
     writeWhole(options.out, file.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
     print(plan, options);
+    sayHowScansStand(scene, stood.size());
     std::printf("%s and %s\n", options.out.string().c_str(), picture.filename().string().c_str());
 }
 

@@ -6,6 +6,7 @@
 #include "app/drawn_scene.h"
 #include "app/frame_pictures.h"
 #include "app/frame_report.h"
+#include "app/output_file.h"
 #include "app/overlays.h"
 #include "app/progress.h"
 #include "app/say.h"
@@ -22,7 +23,6 @@
 #include <array>
 #include <chrono>
 #include <cmath>
-#include <fstream>
 #include <memory>
 #include <optional>
 #include <set>
@@ -129,13 +129,6 @@ std::size_t picturesBeside(const std::filesystem::path& folder, const std::set<s
     return others;
 }
 
-/// Whether a run like this finished there.
-bool holdsOurReport(const std::filesystem::path& folder) {
-    std::ifstream file(folder / "report.json");
-    const nlohmann::json report = nlohmann::json::parse(file, nullptr, false);
-    return report.is_object() && report.contains("samples_drawn");
-}
-
 /// Whether a scene was built from what stands right there, as far as its inputs' names still say.
 bool isFolderOfInput(const std::filesystem::path& folder, const std::filesystem::path& input) {
     std::error_code ignored;
@@ -152,7 +145,8 @@ bool isFolderOfInput(const std::filesystem::path& folder, const std::filesystem:
 /// was stopped leaves its own alone.)
 void checkReplacesNothing(const std::filesystem::path& folder, const scene::Scene& scene,
                           const std::vector<NamedView>& views, int eyes) {
-    if (holdsOurReport(folder)) return;
+    checkReplaceableReport(folder, isDrawnReport, {});
+    if (!reportIn(folder, isDrawnReport).is_null()) return;
     std::error_code ignored;
     std::set<std::string> names;
     std::string replaced;
@@ -183,7 +177,9 @@ void sayWhatIsOlder(const std::filesystem::path& folder, const std::set<std::str
 } // namespace
 
 void renderScene(const RenderOptions& options) {
-    const scene::Scene scene = scene::openScene(options.scene);
+    const scene::Scene scene = scene::openScene(options.scene, scene::DamagedHeads::leftOut);
+    for (const std::string& sentence : DamageTeller::lost(scene))
+        say(sentence);
     const std::vector<NamedView> views = listViews(options, scene);
     const int eyes = options.eyes > 0 ? options.eyes : options.path.empty() ? 1 : 2;
     checkReplacesNothing(options.out, scene, views, eyes);
@@ -255,6 +251,7 @@ void renderScene(const RenderOptions& options) {
                report.summarise(canvas.device(), canvas.gpuScene(), settings)
                        .dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + // paths need not be UTF-8
                    "\n");
+    if (const auto remark = report.remark(); remark && options.draw.polygons.empty()) sayNote(*remark);
     sayWhatIsOlder(options.out, written);
 }
 

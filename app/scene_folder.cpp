@@ -117,10 +117,16 @@ void checkReplaceable(const fs::path& output, std::span<const fs::path> inputs) 
     else if (fs::exists(part, ignored))
         throw scene::Failure("is in the way of the scene that is to be made beside it", part,
                              std::string("move it elsewhere, or ") + kOtherName);
-    if (!fs::exists(output, ignored)) return;
+    if (!fs::exists(output, ignored)) {
+        if (fs::is_symlink(fs::symlink_status(output, ignored)))
+            throw scene::Failure("is a link to what does not exist", output, kOtherName);
+        return;
+    }
     const bool isScene =
         fs::is_directory(output, ignored) && (!manifestOf(output).is_null() || fs::is_empty(output, ignored));
-    if (!isScene) throw scene::Failure("exists and is no scene", output, kOtherName);
+    if (!isScene)
+        throw scene::Failure("exists and is no scene", output,
+                             std::string(kOtherName) + ", or move it away if it was one and is damaged");
     checkFolder(output, inputs);
 }
 

@@ -26,7 +26,7 @@ std::size_t parseBytes(const std::string& text) {
     return static_cast<std::size_t>(bytes);
 }
 
-std::pair<int, int> parseSize(const std::string& text) {
+std::pair<int, int> parseSize(const std::string& text, const std::string& option, const std::string& example) {
     constexpr int kLargest = 16384;
     int width = 0, height = 0;
     const char* end = text.data() + text.size();
@@ -37,7 +37,7 @@ std::pair<int, int> parseSize(const std::string& text) {
         isSize = heightError == std::errc() && last == end;
     }
     if (!isSize || width < 1 || height < 1 || width > kLargest || height > kLargest)
-        throw CLI::ValidationError("--size " + text, "is not WxH with sides from 1 to 16384; write e.g. 640x480");
+        throw CLI::ValidationError(option + " " + text, "is not WxH with sides from 1 to 16384; write e.g. " + example);
     return {width, height};
 }
 

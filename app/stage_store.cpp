@@ -91,11 +91,23 @@ std::filesystem::path StageStore::find(const std::string& stage, const std::stri
     return folder;
 }
 
-void writeWhole(const std::filesystem::path& path, std::span<const std::byte> bytes) {
-    const std::filesystem::path part = withSuffix(path, ".part");
-    std::ofstream file(part, std::ios::binary | std::ios::trunc);
+void writeWhole(const std::filesystem::path& wanted, std::span<const std::byte> bytes) {
+    std::error_code error;
+    const std::filesystem::file_status there = std::filesystem::status(wanted, error);
+    // A link stays one, and what is no file, as a pipe or a device, is written to as it is.
+    const bool isFile = !std::filesystem::exists(there) || std::filesystem::is_regular_file(there) ||
+                        std::filesystem::is_directory(there);
+    std::filesystem::path path = wanted;
+    if (isFile && std::filesystem::is_symlink(std::filesystem::symlink_status(wanted, error)))
+        path = std::filesystem::weakly_canonical(wanted, error);
+    const std::filesystem::path part = isFile ? withSuffix(path, ".part") : path;
+    std::ofstream file(part, isFile ? std::ios::binary | std::ios::trunc : std::ios::binary);
     file.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
     file.close();
+    if (!isFile) {
+        if (!file) throw scene::Failure("cannot be written to", path, "name a file");
+        return;
+    }
     try {
         if (!file) throw scene::Failure("cannot be written", path, scene::kWriteRemedy);
         moveInto(part, path);

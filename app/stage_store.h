@@ -39,8 +39,9 @@ class StageStore {
     int lock_ = -1;
 };
 
-/// Writes under a temporary name and renames: whole or not there. Throws scene::Failure.
-void writeWhole(const std::filesystem::path& path, std::span<const std::byte> bytes);
+/// Writes under a temporary name and renames: whole or not there. A link is followed; what is no file is written to.
+/// Throws scene::Failure.
+void writeWhole(const std::filesystem::path& wanted, std::span<const std::byte> bytes);
 void writeWhole(const std::filesystem::path& path, const std::string& text);
 std::vector<std::byte> readWhole(const std::filesystem::path& path);
 /// What a stage wrote of itself; a damaged one is a Failure that says to remove it.

@@ -2,6 +2,7 @@
 // lost.
 #include "app/walk.h"
 
+#include "app/say.h"
 #include "scene/errors.h"
 
 #include <thread>
@@ -47,6 +48,7 @@ void Walk::run() {
         if (!change(outcome, stage)) break;
     }
     record_.write(lastReport_);
+    if (const auto remark = report_.remark(); remark && options_.draw.polygons.empty()) sayNote(*remark);
 }
 
 bool Walk::change(Outcome outcome, std::optional<WalkStage>& stage) {

@@ -1,7 +1,9 @@
 #include "app/walk_scene.h"
 
+#include "app/damage_teller.h"
 #include "app/desk_window.h"
 #include "app/kept_settings.h"
+#include "app/output_file.h"
 #include "app/say.h"
 #include "app/walk.h"
 
@@ -9,6 +11,7 @@
 #include "scene/scene_file.h"
 #include "scene/unfinished_file.h"
 
+#include <array>
 #include <csignal>
 #include <cstdio>
 #include <exception>
@@ -109,6 +112,25 @@ std::unique_ptr<xr::Window> openWindow(const WalkOptions& options) {
     }
 }
 
+/// Of a walk that was killed there are pictures alone: those may be drawn again.
+void checkReplaceable(const WalkOptions& options) {
+    checkReplaceableReport(options.out, isDrawnReport, std::array<std::string, 1>{"cameras.json"});
+    if (options.pictureEvery == 0) return;
+    std::size_t pictures = 0, others = 0;
+    std::error_code ignored;
+    for (std::filesystem::directory_iterator at(options.out, ignored), end; !ignored && at != end;
+         at.increment(ignored)) {
+        const std::string name = at->path().filename().string();
+        ++(name.starts_with("frame-") && name.ends_with(".png") ? pictures : others);
+    }
+    if (pictures == 0) return;
+    if (others > 0 && reportIn(options.out, isDrawnReport).is_null())
+        throw scene::Failure("holds pictures of frames that no finished walk speaks of and that may be replaced",
+                             options.out, "name another folder with --out");
+    sayNote("'" + options.out.string() + "' holds pictures of an earlier walk, " + std::to_string(pictures) +
+            " of them: those that this one does not draw again stay, and report.json will not speak of them.");
+}
+
 /// Found out before the walk, since what is recorded is written after it.
 bool mayBeWritten(const std::filesystem::path& file) {
     std::error_code ignored;
@@ -121,7 +143,14 @@ bool mayBeWritten(const std::filesystem::path& file) {
 void walkScene(const WalkOptions& options) {
     if (options.isHeadless && options.path.empty())
         throw scene::Failure("leads nowhere", std::string("--path"), "name a file");
-    const scene::Scene scene = scene::openScene(options.scene);
+    if (!options.record.empty())
+        checkReplaceableFile(options.record, std::array{options.path}, [](const nlohmann::json& of) {
+            return of.is_object() && of.contains("space") && of.contains("poses");
+        });
+    if (!options.out.empty()) checkReplaceable(options);
+    const scene::Scene scene = scene::openScene(options.scene, scene::DamagedHeads::leftOut);
+    for (const std::string& sentence : DamageTeller::lost(scene))
+        say(sentence);
     if (!options.out.empty()) {
         std::error_code error;
         std::filesystem::create_directories(options.out, error);

@@ -8,6 +8,8 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
+#include <cmath>
+#include <cstdio>
 #include <numeric>
 #include <optional>
 #include <utility>
@@ -23,8 +25,12 @@ std::size_t bytesOf(const SceneIndex& index) {
     return bytes;
 }
 
-std::string mebibytes(std::size_t bytes) {
-    return std::to_string((bytes >> 20) + 1) + " MiB";
+/// Of what is needed no less is told, of what there is no more.
+std::string mebibytes(std::size_t bytes, bool isNeeded) {
+    const double tenths = static_cast<double>(bytes) * 10 / (1 << 20);
+    std::array<char, 32> text{};
+    std::snprintf(text.data(), text.size(), "%.1f MiB", (isNeeded ? std::ceil(tenths) : std::floor(tenths)) / 10);
+    return text.data();
 }
 
 } // namespace
@@ -66,9 +72,9 @@ void GpuScene::holdSome(const Device& device, std::span<const scene::TileBlock> 
         bytesKept_ += index_.chunks[chunk].chunk.bytes();
     constexpr std::size_t kLeastChunks = 4; // that come and go
     if (bytesKept_ + kLeastChunks * scene::kChunkBytes > memory.budgetBytes)
-        throw OutOfMemory("needs at least " + mebibytes(bytesKept_ + kLeastChunks * scene::kChunkBytes) +
-                              " to show the coarsest of everything, but may take " + mebibytes(memory.budgetBytes) +
-                              " of its " + mebibytes(bytesOf(index_)),
+        throw OutOfMemory("needs at least " + mebibytes(bytesKept_ + kLeastChunks * scene::kChunkBytes, true) +
+                              " to show the coarsest of everything, but may take " +
+                              mebibytes(memory.budgetBytes, false) + " of its " + mebibytes(bytesOf(index_), true),
                           std::string("the scene"), "allow more with --memory, on a device that has it");
     std::vector<std::uint32_t> pages(memory.budgetBytes / memory.pageBytes,
                                      static_cast<std::uint32_t>(memory.pageBytes / kTexelBytes) / 2 * 2);

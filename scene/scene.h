@@ -30,7 +30,8 @@ struct Scene {
     Pose walkFromWorld;              ///< metres, +Y up, floor at Y = 0, the start at the origin
     std::string manifest;            ///< scene.json as it was written
     MappedFile tilesFile;
-    std::vector<TileBlock> blocks;                                      ///< one for each image, in the same order
+    std::vector<std::size_t> damaged; ///< images whose blocks are empty since nobody can read them any more
+    std::vector<TileBlock> blocks;    ///< one for each image, in the same order
     std::vector<std::unique_ptr<std::atomic<std::uint8_t>[]>> verdicts; ///< that the blocks point to
     std::optional<Coverage> coverage; ///< what was observed; scenes of before have none
 };

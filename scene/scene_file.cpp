@@ -11,6 +11,7 @@
 #include <cstring>
 #include <fstream>
 #include <iterator>
+#include <mutex>
 
 #include <nlohmann/json.hpp>
 
@@ -305,7 +306,7 @@ void writeTilesFile(const std::filesystem::path& path, std::size_t blockCount,
     if (!file) throw Failure("cannot be written", path, "check that the disk has room and the folder may be written");
 }
 
-Scene openScene(const std::filesystem::path& folder) {
+Scene openScene(const std::filesystem::path& folder, DamagedHeads heads) {
     Scene scene;
     scene.folder = folder;
     std::error_code ignored;
@@ -318,17 +319,25 @@ Scene openScene(const std::filesystem::path& folder) {
     const std::vector<BlockEntry> table = readTable(file, tilesPath, scene.images.size());
     scene.blocks.resize(table.size());
     scene.verdicts.resize(table.size());
+    std::mutex mutex;
     tbb::parallel_for(std::size_t{0}, table.size(), [&](std::size_t i) {
         const BlockEntry& entry = table[i];
         const std::span<const std::byte> bytes = file.subspan(entry.offset, blockBytes(entry));
         const std::string where = atByte(tilesPath, entry.offset);
-        if (checksumOf(bytes.first(headBytes(entry))) != entry.checksum)
-            throw Failure("has a damaged block (" + scene.images[i].name + ")", where, kRemedy);
+        if (checksumOf(bytes.first(headBytes(entry))) != entry.checksum) {
+            if (heads == DamagedHeads::refused)
+                throw Failure("has a damaged block (" + scene.images[i].name + ")", where, kRemedy);
+            scene.blocks[i] = lendBlock({}, {}, scene.images[i].camera, scene.images[i].worldFromCamera);
+            const std::scoped_lock lock(mutex);
+            scene.damaged.push_back(i);
+            return;
+        }
         scene.blocks[i] = lendBlock(bytes, entry, scene.images[i].camera, scene.images[i].worldFromCamera);
         checkBlock(scene.blocks[i], where);
         scene.verdicts[i] = std::make_unique<std::atomic<std::uint8_t>[]>(entry.chunkCount);
         scene.blocks[i].verdicts = scene.verdicts[i].get();
     });
+    std::sort(scene.damaged.begin(), scene.damaged.end());
     if (hasCoverage) scene.coverage = readCoverage(folder / kCoverageFile);
     return scene;
 }

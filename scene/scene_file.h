@@ -38,8 +38,14 @@ TileSet unpackTiles(std::span<const std::byte> packed, const std::string& where)
 void writeTilesFile(const std::filesystem::path& path, std::size_t blockCount,
                     const std::function<TileSet(std::size_t)>& tilesOf);
 
+/// What becomes of an image whose block has a damaged head: its samples cannot be told apart any more.
+enum class DamagedHeads {
+    refused,
+    leftOut ///< its block is empty, and Scene::damaged names it
+};
+
 /// Opens a scene folder. Throws Failure with file, place and cause for anything missing, damaged, or of another
 /// version.
-Scene openScene(const std::filesystem::path& folder);
+Scene openScene(const std::filesystem::path& folder, DamagedHeads heads = DamagedHeads::refused);
 
 } // namespace scene

@@ -62,6 +62,8 @@ TEST(MeasureTable, SaysWhatARungCostsAndSaves) {
     EXPECT_NE(table.find("| alone | 7.0 |"), std::string::npos) << table;
     EXPECT_NE(table.find("| half | 10.0 | 30.00 | 10.0 | 1.00 | 0.10 |"), std::string::npos) << table;
     EXPECT_EQ(tableOf(settings, 3).find("governor"), std::string::npos);
+    settings[0].name = "a|b";
+    EXPECT_NE(tableOf(settings, 1).find("| a\\|b | 7.0 |"), std::string::npos) << "no column of its own";
 }
 
 TEST(Sweep, TurnsOneKnobAtATimeAndRepeatsNothing) {

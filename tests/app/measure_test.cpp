@@ -123,6 +123,15 @@ TEST_F(Measure, TakesCamerasWithTheirPicturesBesideThem) {
     EXPECT_EQ(same.at("wrongly_solid_share"), 0);
     EXPECT_LT(other.at("psnr_all_db"), 60);
     EXPECT_TRUE(std::filesystem::exists(path("besides/worst-other-one.png")));
+
+    // What the next run does not measure goes, and nothing else.
+    std::ofstream(path("besides/worst-day.png")) << "of another hand";
+    std::ofstream(path("settings.json")) << R"({"settings": [{"name": "same", "warp": "mesh"}]})";
+    ASSERT_EQ(
+        measure("besides", {"--cameras", path("beside/cameras.json"), "--settings", path("settings.json")}).status, 0);
+    EXPECT_FALSE(std::filesystem::exists(path("besides/worst-other-one.png")));
+    EXPECT_TRUE(std::filesystem::exists(path("besides/worst-same.png")));
+    EXPECT_TRUE(std::filesystem::exists(path("besides/worst-day.png")));
 }
 
 TEST_F(Measure, RefusesInOneLine) {

@@ -108,8 +108,9 @@ TEST_F(MemoryOfScene, UnseenSpaceTakesAQuarterAndImagesComeFirst) {
             folder());
     ASSERT_EQ(built.status, 0) << built.output;
     constexpr std::size_t kMiB = 1 << 20;
-    const auto reportWith = [&](std::size_t mebibytes, std::string& says) {
-        const Outcome drawn = render("seen.revisit", "part", {"--memory", std::to_string(mebibytes) + "M"});
+    const auto reportWith = [&](double mebibytes, std::string& says) {
+        const std::string memory = nlohmann::json(mebibytes).dump() + "M";
+        const Outcome drawn = render("seen.revisit", "part", {"--memory", memory});
         EXPECT_EQ(drawn.status, 0) << drawn.output;
         says = drawn.output;
         return readJson(path("part/report.json"));
@@ -119,7 +120,7 @@ TEST_F(MemoryOfScene, UnseenSpaceTakesAQuarterAndImagesComeFirst) {
     EXPECT_EQ(says.find("told by cells"), std::string::npos) << says;
     // A quarter that is too little for all of it, and enough for its coarsest form.
     const std::size_t little = all.at("coverage").at("bytes").get<std::size_t>() / kMiB * 4;
-    const nlohmann::json part = reportWith(little, says);
+    const nlohmann::json part = reportWith(static_cast<double>(little), says);
     EXPECT_NE(says.find("told by cells"), std::string::npos) << says;
     EXPECT_LT(part.at("coverage").at("bytes"), all.at("coverage").at("bytes"));
     EXPECT_LE(part.at("coverage").at("bytes"), little * kMiB / 4);
@@ -132,10 +133,11 @@ TEST_F(MemoryOfScene, UnseenSpaceTakesAQuarterAndImagesComeFirst) {
     EXPECT_EQ(none.status, 1);
     const std::string needs = "needs at least ";
     ASSERT_NE(none.output.find(needs), std::string::npos) << none.output;
-    const std::size_t least = std::stoul(none.output.substr(none.output.find(needs) + needs.size()));
+    const double least = std::stod(none.output.substr(none.output.find(needs) + needs.size()));
+    EXPECT_GT(least, 1) << "more than it had";
     const nlohmann::json tight = reportWith(least, says);
     EXPECT_EQ(tight.at("coverage").at("levels"), 4);
-    EXPECT_LE(tight.at("bytes_resident"), least * kMiB);
+    EXPECT_LE(tight.at("bytes_resident").get<double>(), least * kMiB);
     EXPECT_NE(says.find(needs), std::string::npos) << "why cells are coarse:\n" << says;
 }
 
@@ -161,6 +163,23 @@ TEST_F(MemoryOfScene, WhatIsDamagedIsToldOnceAndTheRestIsDrawn) {
         const cv::Mat lost = (hurt[i] == 0) & (sound[i] != 0);
         EXPECT_LE(cv::countNonZero(lost), 0.01 * static_cast<double>(lost.total())) << "not shown as emptiness";
     }
+
+    // Where the head of an image's block is hurt, nothing of that image is left, but the others are.
+    std::fstream head(tiles, std::ios::binary | std::ios::in | std::ios::out);
+    constexpr std::streamoff kFirstEntry = 64; // scene/scene_file.h
+    std::uint64_t block = 0;
+    head.seekg(kFirstEntry);
+    head.read(reinterpret_cast<char*>(&block), sizeof block);
+    head.seekp(static_cast<std::streamoff>(block) + 5);
+    head.write("vandals", 7);
+    head.close();
+    const Outcome headless = render("hurt.revisit", "hurt-head");
+    EXPECT_EQ(headless.status, 0) << headless.output;
+    const std::string first = readJson(path("hurt.revisit/scene.json")).at("images").at(0).at("name");
+    EXPECT_NE(headless.output.find(says + first + " gave is damaged"), std::string::npos) << headless.output;
+    const Outcome told = run({kRevisit, "info", path("hurt.revisit")}, folder());
+    EXPECT_EQ(told.status, 1);
+    EXPECT_NE(told.output.find("damaged block (" + first + ")"), std::string::npos) << told.output;
 }
 
 } // namespace

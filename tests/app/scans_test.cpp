@@ -102,6 +102,20 @@ TEST_F(Scans, StandWhereTheFileSaysUnlessAsked) {
     EXPECT_THAT(built.output, HasSubstr("note: Scans 'scan1' and 'scan2' stand at the same place in their files"));
 }
 
+TEST_F(Scans, OneWithoutPointsIsTold) {
+    std::ofstream empty(path("empty.ptx"));
+    empty << "2\n2\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 0 0 0\n0 1 0 0\n0 0 1 0\n5 5 5 1\n";
+    for (int i = 0; i < 4; ++i)
+        empty << "0 0 0 0.5\n";
+    empty.close();
+    const Outcome built =
+        run({kRevisit, "build", path("capture/scans.e57"), path("empty.ptx"), "-o", path("some.revisit"), "--coverage"},
+            folder());
+    ASSERT_EQ(built.status, 0) << built.output;
+    EXPECT_THAT(built.output, HasSubstr("note: Scan 'empty' holds no point with range"));
+    EXPECT_THAT(built.output, Not(HasSubstr("rays of scan 'empty'")));
+}
+
 TEST_F(Scans, ThoseThatContradictEachOtherAreTold) {
     const Outcome made = makeSample({path("off"), "--scene", "room", "--scanner", "--scans", "2", "--density", "2",
                                      "--no-colour", "--pose-error", "5,0.3"},

@@ -272,6 +272,28 @@ TEST_F(Walk, NoPictureOfAnotherHandIsReplaced) {
     EXPECT_EQ(run(command, folder()).status, 0);
 }
 
+TEST_F(Walk, PicturesThatShowNothingAreToldOf) {
+    std::ofstream(path("centimetres.json"))
+        << R"({"space": "walk", "poses": [{"t": 0, "position": [0, 160, 0], "orientation": [0.7071, 0, 0, 0.7071]}]})";
+    for (const std::vector<std::string>& command :
+         {std::vector<std::string>{"render", path("room.revisit"), "--out", path("far-frames")},
+          {"walk", path("room.revisit"), "--headless", "--frames", "2", "--out", path("far-walk")}}) {
+        std::vector<std::string> whole{kRevisit};
+        whole.insert(whole.end(), command.begin(), command.end());
+        whole.insert(whole.end(), {"--path", path("centimetres.json")});
+        const Outcome drawn = run(whole, folder());
+        EXPECT_EQ(drawn.status, 0) << drawn.output;
+        EXPECT_NE(drawn.output.find("nothing of the scene is in view in any frame"), std::string::npos) << drawn.output;
+    }
+}
+
+TEST_F(Walk, WhatHasNothingToWorkOnIsToldOf) {
+    const Outcome drawn =
+        run({kRevisit, "render", path("room.revisit"), "--out", path("uncovered"), "--coverage-cell", "0.1"}, folder());
+    EXPECT_EQ(drawn.status, 0) << drawn.output;
+    EXPECT_NE(drawn.output.find("--coverage-cell changes nothing"), std::string::npos) << drawn.output;
+}
+
 TEST_F(Walk, StandsUprightThoughNoCameraWasHeldSo) {
     const nlohmann::json walkFromWorld = readJson(path("room.revisit") + "/scene.json").at("walk_from_world");
     // The sample's world has +Z up and its floor at 0.
@@ -447,6 +469,7 @@ TEST_F(Walk, NotesAreToldByInfoAndOutliveANewBuild) {
     const Outcome refused = run(info, folder());
     EXPECT_EQ(refused.status, 1);
     EXPECT_NE(refused.output.find("notes.json: is damaged"), std::string::npos) << refused.output;
+    EXPECT_NE(refused.output.find("  tiles      "), std::string::npos) << "the rest is told: " << refused.output;
     EXPECT_EQ(scene::bytesOfFile(file), root.dump().substr(1));
 }
 

@@ -233,6 +233,20 @@ TEST_F(SceneFile, AnyFlippedBitOfTheTilesIsRefusedOrLiesBetweenBlocks) {
     EXPECT_LT(unnoticed, (sets_.size() + 1) * 64);
 }
 
+TEST_F(SceneFile, WhereItIsAskedForOnlyTheImageOfADamagedHeadIsMissing) {
+    std::string damaged = tiles_;
+    const std::size_t at = blockAt(1) + 5;
+    damaged[at] = static_cast<char>(damaged[at] ^ 0x40);
+    EXPECT_NE(failureWithTiles(damaged).find("has a damaged block (second)"), std::string::npos);
+    const Scene scene = openScene(folder(), DamagedHeads::leftOut);
+    EXPECT_EQ(scene.damaged, std::vector<std::size_t>{1});
+    EXPECT_TRUE(scene.blocks[1].tiles.empty() && scene.blocks[1].coarser.empty() && scene.blocks[1].vertices.empty());
+    EXPECT_EQ(scene.blocks[1].camera, scene.images[1].camera);
+    EXPECT_TRUE(isSame(scene.blocks[0].tiles, scene.blocks[0].vertices, scene.blocks[0].quads, sets_[0]));
+    writeFile(tilesPath(), tiles_);
+    EXPECT_TRUE(openScene(folder(), DamagedHeads::leftOut).damaged.empty());
+}
+
 TEST_F(SceneFile, TilesOfAnyOtherLengthAreRefused) {
     for (std::size_t size = 0; size < tiles_.size(); ++size)
         EXPECT_NE(failureWithTiles(tiles_.substr(0, size)), "") << size;

@@ -1,0 +1,66 @@
+#include "app/output_file.h"
+
+#include "scene/errors.h"
+
+#include <fstream>
+
+namespace app {
+
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+constexpr const char* kOtherName = "name another file";
+
+json jsonIn(const fs::path& file) {
+    std::ifstream stream(file);
+    return json::parse(stream, nullptr, false);
+}
+
+} // namespace
+
+void checkReplaceableFile(const fs::path& file, std::span<const fs::path> inputs,
+                          const std::function<bool(const json&)>& isKind) {
+    std::error_code ignored;
+    const fs::file_status status = fs::status(file, ignored);
+    if (!fs::exists(status)) {
+        if (fs::is_symlink(fs::symlink_status(file, ignored)))
+            throw scene::Failure("is a link to what does not exist", file, kOtherName);
+        return;
+    }
+    if (fs::is_directory(status)) throw scene::Failure("is a folder", file, "name the JSON file to write");
+    if (!fs::is_regular_file(status)) return;
+    for (const fs::path& input : inputs)
+        if (fs::equivalent(file, input, ignored))
+            throw scene::Failure("would be lost: this command reads it", file, kOtherName);
+    if (fs::file_size(file, ignored) > 0 && !isKind(jsonIn(file)))
+        throw scene::Failure("exists and is nothing that this command writes", file, kOtherName);
+}
+
+json reportIn(const fs::path& folder, const std::function<bool(const json&)>& isKind) {
+    json report = jsonIn(folder / "report.json");
+    return report.is_object() && isKind(report) ? report : json();
+}
+
+void checkReplaceableReport(const fs::path& folder, const std::function<bool(const json&)>& isKind,
+                            std::span<const std::string> beside) {
+    if (!reportIn(folder, isKind).is_null()) return;
+    std::error_code ignored;
+    const auto check = [&](const std::string& name) {
+        if (fs::exists(fs::symlink_status(folder / name, ignored)))
+            throw scene::Failure("holds " + name +
+                                     ", which no finished run of this command wrote and which would be "
+                                     "replaced",
+                                 folder, "name another folder with --out");
+    };
+    check("report.json");
+    for (const std::string& name : beside)
+        check(name);
+}
+
+bool isDrawnReport(const json& report) {
+    return report.is_object() && report.contains("samples_drawn") && report.contains("frames");
+}
+
+} // namespace app
