@@ -99,13 +99,16 @@ void sayIfAtOnePlace(const BuildOptions& options, scene::Capture& capture) {
 void sayIfOtherUnits(double medianMetres, scene::Capture& capture) {
     constexpr double kNearest = 0.05, kFarthest = 300;
     if (medianMetres == 0 || (medianMetres >= kNearest && medianMetres <= kFarthest)) return;
-    const double step = std::pow(10, std::floor(std::log10(medianMetres)));
     std::array<char, 32> metres{};
-    std::snprintf(metres.data(), metres.size(), medianMetres < 1 ? "%.4f" : "%.0f",
-                  step * std::round(medianMetres / step));
+    if (medianMetres < kNearest) {
+        std::snprintf(metres.data(), metres.size(), "%.1g", medianMetres);
+        return tell(capture, std::string("What images and scans show is some ") + metres.data() +
+                                 " m away: if that is not so, their unit is not the metre; export them in metres.");
+    }
+    const double step = std::pow(10, std::floor(std::log10(medianMetres)));
+    std::snprintf(metres.data(), metres.size(), "%.0f", step * std::round(medianMetres / step));
     tell(capture, std::string("What images and scans show is some ") + metres.data() +
-                      " m away: if that is not so, their unit is not the metre (millimetres?); export "
-                      "them in metres.");
+                      " m away: if that is not so, their unit is not the metre (millimetres?); export them in metres.");
 }
 
 /// The stages of a build, one after the other.

@@ -56,6 +56,12 @@ Json describe(const scene::BoardPicture& picture) {
             {"mean_mm", 1e3 * picture.meanMetres}};
 }
 
+/// Where a summary goes: not among JSON that is written to a pipe.
+std::FILE* summaryOf(const CalibrateOptions& options) {
+    std::error_code ignored;
+    return std::filesystem::is_other(options.output, ignored) ? stderr : stdout;
+}
+
 } // namespace
 
 void calibrateCamera(const CalibrateOptions& options) {
@@ -93,12 +99,13 @@ void calibrateCamera(const CalibrateOptions& options) {
                                    "\n");
     const auto boards = std::count_if(found.pictures.begin(), found.pictures.end(),
                                       [](const scene::BoardPicture& picture) { return picture.isFound; });
-    std::printf("focal length %.2f, %.2f px (known to %.2f), centre %.2f, %.2f px, from %td boards in %zu pictures\n"
-                "errors: rms %.3f px, mean %.3f px, worst %.2f px; on the boards mean %.3f mm, worst %.2f mm\n"
-                "written: %s\n",
-                c.fx, c.fy, found.focalDeviation, c.cx, c.cy, boards, found.pictures.size(), found.rmsPixels,
-                found.meanPixels, found.worstPixels, 1e3 * found.meanMetres, 1e3 * found.worstMetres,
-                options.output.string().c_str());
+    std::fprintf(summaryOf(options),
+                 "focal length %.2f, %.2f px (known to %.2f), centre %.2f, %.2f px, from %td boards in %zu pictures\n"
+                 "errors: rms %.3f px, mean %.3f px, worst %.2f px; on the boards mean %.3f mm, worst %.2f mm\n"
+                 "written: %s\n",
+                 c.fx, c.fy, found.focalDeviation, c.cx, c.cy, boards, found.pictures.size(), found.rmsPixels,
+                 found.meanPixels, found.worstPixels, 1e3 * found.meanMetres, 1e3 * found.worstMetres,
+                 options.output.string().c_str());
 }
 
 void calibrateScanner(const CalibrateOptions& options) {
@@ -124,13 +131,15 @@ void calibrateScanner(const CalibrateOptions& options) {
                                        .dump(1) +
                                    "\n");
     const scene::ScannerConstants<double>&c = found.constants, &d = found.deviations;
-    std::printf("pan %.2f steps in half a turn (known to %.2f), mirror %.4f deg (%.4f), horizon at %.3f of the encoder "
-                "(%.3f), mirror at %.2f mm (%.2f)\n"
-                "from %td samples of %d planes: %.2f mm from them instead of %.2f mm\nwritten: %s\n",
-                c.panStepsPerHalfTurn, d.panStepsPerHalfTurn, c.mirrorRadians * kDegrees, d.mirrorRadians * kDegrees,
-                c.horizonPosition, d.horizonPosition, 1e3 * c.mirrorMetres, 1e3 * d.mirrorMetres,
-                static_cast<std::ptrdiff_t>(found.samples), found.planes, 1e3 * found.rmsAfterMetres,
-                1e3 * found.rmsBeforeMetres, options.output.string().c_str());
+    std::fprintf(
+        summaryOf(options),
+        "pan %.2f steps in half a turn (known to %.2f), mirror %.4f deg (%.4f), horizon at %.3f of the encoder "
+        "(%.3f), mirror at %.2f mm (%.2f)\n"
+        "from %td samples of %d planes: %.2f mm from them instead of %.2f mm\nwritten: %s\n",
+        c.panStepsPerHalfTurn, d.panStepsPerHalfTurn, c.mirrorRadians * kDegrees, d.mirrorRadians * kDegrees,
+        c.horizonPosition, d.horizonPosition, 1e3 * c.mirrorMetres, 1e3 * d.mirrorMetres,
+        static_cast<std::ptrdiff_t>(found.samples), found.planes, 1e3 * found.rmsAfterMetres,
+        1e3 * found.rmsBeforeMetres, options.output.string().c_str());
 }
 
 } // namespace app

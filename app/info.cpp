@@ -139,10 +139,6 @@ void printPhotographs(const json& photographs) {
                         photo.at("deviation_deg").get<double>());
         else
             std::printf(" (%s)", shown(photo.at("why")).c_str());
-        // Of what was not found there is none.
-        const json& deviation = photo.at("deviation_deg");
-        if (!photo.at("sure").get<bool>() && deviation.is_number() && deviation > 0)
-            std::printf("; its turn is known to %.3f degrees", deviation.get<double>());
         std::printf("; the next best turn scores %s, %s of its parts agree\n",
                     shareText(photo.at("rival_share"), 1).c_str(), shareText(photo.at("agreeing"), 1).c_str());
     }

@@ -483,7 +483,8 @@ int main(int argc, char** argv) {
     try {
         const int outcome = run(argc, argv);
         if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return outcome;
-        std::fprintf(stderr, "revisit: standard output: cannot be written to; check the disk it goes to\n");
+        std::fprintf(stderr,
+                     "revisit: standard output: cannot be written to; check the disk or the program it goes to\n");
     } catch (const std::bad_alloc&) {
         std::fprintf(stderr, "revisit: memory: not enough for this; lower --memory, or close other programs\n");
     } catch (const std::exception& e) {

@@ -176,17 +176,19 @@ void checkPictures(const std::filesystem::path& folder, std::span<const Preset> 
     for (const Preset& setting : settings) {
         const std::string name = worstOf(setting.name) + ".png";
         if (std::ranges::find(names, name) != names.end())
-            throw scene::Failure("would be the picture of two settings, one of them '" + setting.name + "'",
-                                 folder / name, "name settings so that they differ in more than spaces and slashes");
+            throw scene::Failure(
+                "would be the picture of two settings, one of them '" + setting.name + "'", folder / name,
+                "name them so that more than characters which stand in no file's name tells them apart");
         names.push_back(name);
     }
-    checkReplaceableReport(folder, isMeasured, names);
+    checkReplaceableReport(folder, isMeasured);
+    checkReplaceableBeside(folder, isMeasured, names);
 }
 
 /// Pictures that an earlier run wrote of settings which this one does not have. What its report does not name may be
 /// anybody's.
-void removeOlderPictures(const std::filesystem::path& folder, std::span<const MeasuredSetting> settings) {
-    const json report = reportIn(folder, isMeasured);
+void removeOlderPictures(const std::filesystem::path& folder, const json& report,
+                         std::span<const MeasuredSetting> settings) {
     if (report.is_null()) return;
     for (const json& setting : report["settings"]) {
         if (!setting.is_object() || !setting.value("name", json()).is_string()) continue;
@@ -313,14 +315,15 @@ void measureScene(const MeasureOptions& o) {
                       {"coverage", toJson(onDevice.coverage.get())},
                       {"settings", toJson(all.first(plan.ladderStart))},
                       {"governor_rungs", toJson(all.subspan(plan.ladderStart))}};
-    for (std::size_t i = 0; i < worst.size(); ++i)
-        writePictures(worst[i], o.out, worstOf(measured[i].name), false);
-    removeOlderPictures(o.out, all.first(plan.ladderStart));
+    const json older = reportIn(o.out, isMeasured);
     writeWhole(o.out / "report.json", report.dump(1, ' ', false, json::error_handler_t::replace) + "\n");
     const std::string table = tableOf(all, plan.ladderStart);
     writeWhole(o.out / "table.md", table);
     std::printf("%s, %dx%d, %d frames of both eyes, %zu photographs\n\n%s", device.name().c_str(), o.width, o.height,
                 o.frames, truths.size(), table.c_str());
+    for (std::size_t i = 0; i < worst.size(); ++i)
+        writePictures(worst[i], o.out, worstOf(measured[i].name), false);
+    removeOlderPictures(o.out, older, all.first(plan.ladderStart));
 }
 
 } // namespace app

@@ -2,6 +2,7 @@
 
 #include "scene/errors.h"
 
+#include <array>
 #include <fstream>
 
 namespace app {
@@ -34,6 +35,9 @@ void checkReplaceableFile(const fs::path& file, std::span<const fs::path> inputs
     for (const fs::path& input : inputs)
         if (fs::equivalent(file, input, ignored))
             throw scene::Failure("would be lost: this command reads it", file, kOtherName);
+    if (!std::ifstream(file))
+        throw scene::Failure("exists and cannot be read, so that nobody knows what would be replaced", file,
+                             kOtherName);
     if (fs::file_size(file, ignored) > 0 && !isKind(jsonIn(file)))
         throw scene::Failure("exists and is nothing that this command writes", file, kOtherName);
 }
@@ -43,20 +47,20 @@ json reportIn(const fs::path& folder, const std::function<bool(const json&)>& is
     return report.is_object() && isKind(report) ? report : json();
 }
 
-void checkReplaceableReport(const fs::path& folder, const std::function<bool(const json&)>& isKind,
-                            std::span<const std::string> beside) {
+void checkReplaceableReport(const fs::path& folder, const std::function<bool(const json&)>& isKind) {
+    checkReplaceableBeside(folder, isKind, std::array<std::string, 1>{"report.json"});
+}
+
+void checkReplaceableBeside(const fs::path& folder, const std::function<bool(const json&)>& isKind,
+                            std::span<const std::string> names) {
     if (!reportIn(folder, isKind).is_null()) return;
     std::error_code ignored;
-    const auto check = [&](const std::string& name) {
+    for (const std::string& name : names)
         if (fs::exists(fs::symlink_status(folder / name, ignored)))
             throw scene::Failure("holds " + name +
                                      ", which no finished run of this command wrote and which would be "
                                      "replaced",
                                  folder, "name another folder with --out");
-    };
-    check("report.json");
-    for (const std::string& name : beside)
-        check(name);
 }
 
 bool isDrawnReport(const json& report) {

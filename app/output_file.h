@@ -19,11 +19,15 @@ void checkReplaceableFile(const std::filesystem::path& file, std::span<const std
 /// Report of a run that finished there; null if there is none, or another hand's.
 nlohmann::json reportIn(const std::filesystem::path& folder, const std::function<bool(const nlohmann::json&)>& isKind);
 
-/// Throws scene::Failure where a run's report, and what it writes beside it under these names, would take the place of
-/// files that no report of such a run speaks of.
+/// Throws scene::Failure where a run's report would take the place of another hand's.
 void checkReplaceableReport(const std::filesystem::path& folder,
+                            const std::function<bool(const nlohmann::json&)>& isKind);
+
+/// Throws scene::Failure where what a run writes under these names would take the place of files that no report of such
+/// a run speaks of.
+void checkReplaceableBeside(const std::filesystem::path& folder,
                             const std::function<bool(const nlohmann::json&)>& isKind,
-                            std::span<const std::string> beside);
+                            std::span<const std::string> names);
 
 /// Of a drawn run: `render` and `walk`.
 bool isDrawnReport(const nlohmann::json& report);

@@ -3,6 +3,7 @@
 #include "app/output_file.h"
 #include "app/plan_picture.h"
 #include "app/say.h"
+#include "app/selection.h"
 #include "app/stage_store.h"
 
 #include "scene/errors.h"
@@ -30,12 +31,21 @@ std::vector<glm::dvec3> placesOf(const scene::Scene& scene) {
     return places;
 }
 
+/// Places from which images look all round; photographs beside a scan are no scanner.
+std::ptrdiff_t scannersOf(const scene::Scene& scene) {
+    const ReferencePositions positions = referencePositionsOf(scene.images);
+    std::vector<std::size_t> images(positions.places.size());
+    for (const std::uint32_t position : positions.positionOf)
+        ++images[position];
+    return std::ranges::count_if(images, [](std::size_t count) { return count >= kImagesPerPosition; });
+}
+
 /// Places are no better than the poses of what they are reckoned from.
-void sayHowScansStand(const scene::Scene& scene, std::size_t places) {
+void sayHowScansStand(const scene::Scene& scene) {
     const nlohmann::json manifest = nlohmann::json::parse(scene.manifest);
     const nlohmann::json registration = manifest.value("registration", nlohmann::json());
     if (registration.is_null()) {
-        if (places > 1 && manifest.at("figures").at("scan_points") > 0)
+        if (scannersOf(scene) > 1 && manifest.at("figures").at("scan_points") > 0)
             sayNote("scans are taken to stand where their files say: nobody has compared them ('revisit build "
                     "--register auto' does)");
         return;
@@ -60,8 +70,8 @@ void checkReplaceable(const std::filesystem::path& out, const std::filesystem::p
         return isPlan;
     });
     if (!hasPicture && std::filesystem::exists(std::filesystem::symlink_status(picture, ignored)))
-        throw scene::Failure("would be replaced by the plan's picture, and is none", picture,
-                             "give another name with --out");
+        throw scene::Failure("would be replaced by the plan's picture, and no plan of that name speaks of it", picture,
+                             "move it away, or give another name with --out");
 }
 
 nlohmann::json toJson(const glm::dvec3& p) {
@@ -72,8 +82,8 @@ void print(const scene::NextScanPlan& plan, const PlanOptions& options) {
     std::printf("%.1f m3 of the %.1f m3 within the upright box about all surfaces were never seen\n",
                 plan.unseenCubicMetres, plan.bounds.cubicMetres());
     if (plan.candidates == 0)
-        std::printf("no place to stand was found: none with floor below it that was seen and %.1f m of space about it "
-                    "that was seen empty\n",
+        std::printf("no place to stand was found: none with floor below it that was seen and is not raised above "
+                    "the floor beside it, and with %.1f m of space about it that was seen empty\n",
                     options.next.clearanceMetres);
     else if (plan.scans.empty())
         std::printf(
@@ -94,7 +104,8 @@ void print(const scene::NextScanPlan& plan, const PlanOptions& options) {
 
 void planScene(const PlanOptions& options) {
     std::filesystem::path picture = options.out;
-    picture.replace_extension(".png");
+    if (picture.extension() == ".json") picture.replace_extension();
+    if (options.out.extension() != ".png") picture += ".png";
     std::error_code ignored;
     if (!options.out.has_filename() || std::filesystem::is_directory(options.out, ignored))
         throw scene::Failure("is a folder", options.out, "give the name of the JSON file to write, as plan.json");
@@ -129,10 +140,10 @@ void planScene(const PlanOptions& options) {
                               {"unseen_m3", plan.unseenCubicMetres},
                               {"stood", before},
                               {"positions", positions}};
-    writeWhole(picture, drawPlan(scene, plan, stood));
     writeWhole(options.out, file.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+    writeWhole(picture, drawPlan(scene, plan, stood));
     print(plan, options);
-    sayHowScansStand(scene, stood.size());
+    sayHowScansStand(scene);
     std::printf("%s and %s\n", options.out.string().c_str(), picture.filename().string().c_str());
 }
 

@@ -145,7 +145,7 @@ bool isFolderOfInput(const std::filesystem::path& folder, const std::filesystem:
 /// was stopped leaves its own alone.)
 void checkReplacesNothing(const std::filesystem::path& folder, const scene::Scene& scene,
                           const std::vector<NamedView>& views, int eyes) {
-    checkReplaceableReport(folder, isDrawnReport, {});
+    checkReplaceableReport(folder, isDrawnReport);
     if (!reportIn(folder, isDrawnReport).is_null()) return;
     std::error_code ignored;
     std::set<std::string> names;
@@ -247,11 +247,13 @@ void renderScene(const RenderOptions& options) {
     settings["shows_unseen"] = canvas.coverage() != nullptr;
     settings["coverage"] = toJson(canvas.coverage());
     settings["damaged_chunks"] = damage.chunks();
+    settings["damaged_images"] = scene.damaged.size();
     writeWhole(options.out / "report.json",
                report.summarise(canvas.device(), canvas.gpuScene(), settings)
                        .dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + // paths need not be UTF-8
                    "\n");
-    if (const auto remark = report.remark(); remark && options.draw.polygons.empty()) sayNote(*remark);
+    if (const auto remark = report.remark(); remark && options.draw.polygons.empty() && scene.damaged.empty())
+        sayNote(*remark);
     sayWhatIsOlder(options.out, written);
 }
 

@@ -91,17 +91,24 @@ std::filesystem::path StageStore::find(const std::string& stage, const std::stri
     return folder;
 }
 
+std::filesystem::path endOfLinks(const std::filesystem::path& file) {
+    constexpr int kMostLinks = 40; // as the system follows
+    std::filesystem::path path = file;
+    std::error_code error;
+    for (int i = 0; i < kMostLinks && std::filesystem::is_symlink(std::filesystem::symlink_status(path, error)); ++i)
+        path = path.parent_path() / std::filesystem::read_symlink(path, error);
+    return path;
+}
+
 void writeWhole(const std::filesystem::path& wanted, std::span<const std::byte> bytes) {
     std::error_code error;
     const std::filesystem::file_status there = std::filesystem::status(wanted, error);
     // A link stays one, and what is no file, as a pipe or a device, is written to as it is.
     const bool isFile = !std::filesystem::exists(there) || std::filesystem::is_regular_file(there) ||
                         std::filesystem::is_directory(there);
-    std::filesystem::path path = wanted;
-    if (isFile && std::filesystem::is_symlink(std::filesystem::symlink_status(wanted, error)))
-        path = std::filesystem::weakly_canonical(wanted, error);
+    const std::filesystem::path path = isFile ? endOfLinks(wanted) : wanted;
     const std::filesystem::path part = isFile ? withSuffix(path, ".part") : path;
-    std::ofstream file(part, isFile ? std::ios::binary | std::ios::trunc : std::ios::binary);
+    std::ofstream file(part, std::ios::binary);
     file.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
     file.close();
     if (!isFile) {

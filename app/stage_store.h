@@ -39,6 +39,9 @@ class StageStore {
     int lock_ = -1;
 };
 
+/// Where a file of that name really is, or would be; the name itself if it is no link.
+std::filesystem::path endOfLinks(const std::filesystem::path& file);
+
 /// Writes under a temporary name and renames: whole or not there. A link is followed; what is no file is written to.
 /// Throws scene::Failure.
 void writeWhole(const std::filesystem::path& wanted, std::span<const std::byte> bytes);

@@ -48,7 +48,8 @@ void Walk::run() {
         if (!change(outcome, stage)) break;
     }
     record_.write(lastReport_);
-    if (const auto remark = report_.remark(); remark && options_.draw.polygons.empty()) sayNote(*remark);
+    if (const auto remark = report_.remark(); remark && options_.draw.polygons.empty() && scene_.damaged.empty())
+        sayNote(*remark);
 }
 
 bool Walk::change(Outcome outcome, std::optional<WalkStage>& stage) {

@@ -5,6 +5,7 @@
 #include "app/kept_settings.h"
 #include "app/output_file.h"
 #include "app/say.h"
+#include "app/stage_store.h"
 #include "app/walk.h"
 
 #include "scene/errors.h"
@@ -114,18 +115,24 @@ std::unique_ptr<xr::Window> openWindow(const WalkOptions& options) {
 
 /// Of a walk that was killed there are pictures alone: those may be drawn again.
 void checkReplaceable(const WalkOptions& options) {
-    checkReplaceableReport(options.out, isDrawnReport, std::array<std::string, 1>{"cameras.json"});
+    const auto isWalks = [](const nlohmann::json& report) {
+        return isDrawnReport(report) && report.contains("hidden_share"); // a headset's, not that of 'render'
+    };
+    checkReplaceableReport(options.out, isDrawnReport);
+    checkReplaceableBeside(options.out, isWalks, std::array<std::string, 1>{"cameras.json"});
     if (options.pictureEvery == 0) return;
     std::size_t pictures = 0, others = 0;
     std::error_code ignored;
     for (std::filesystem::directory_iterator at(options.out, ignored), end; !ignored && at != end;
          at.increment(ignored)) {
         const std::string name = at->path().filename().string();
-        ++(name.starts_with("frame-") && name.ends_with(".png") ? pictures : others);
+        const bool isPicture = name.ends_with(".png") || name.ends_with(".tiff");
+        if (isPicture) ++(name.starts_with("frame-") && name.ends_with(".png") ? pictures : others);
     }
     if (pictures == 0) return;
-    if (others > 0 && reportIn(options.out, isDrawnReport).is_null())
-        throw scene::Failure("holds pictures of frames that no finished walk speaks of and that may be replaced",
+    if (others > 0 && reportIn(options.out, isWalks).is_null())
+        throw scene::Failure("holds pictures of frames, among others, that no finished walk speaks of and that may be "
+                             "replaced",
                              options.out, "name another folder with --out");
     sayNote("'" + options.out.string() + "' holds pictures of an earlier walk, " + std::to_string(pictures) +
             " of them: those that this one does not draw again stay, and report.json will not speak of them.");
@@ -134,7 +141,8 @@ void checkReplaceable(const WalkOptions& options) {
 /// Found out before the walk, since what is recorded is written after it.
 bool mayBeWritten(const std::filesystem::path& file) {
     std::error_code ignored;
-    const std::filesystem::path folder = std::filesystem::absolute(file, ignored).parent_path();
+    if (std::filesystem::is_other(file, ignored)) return ::access(file.c_str(), W_OK) == 0; // it is written to
+    const std::filesystem::path folder = std::filesystem::absolute(endOfLinks(file), ignored).parent_path();
     return !std::filesystem::is_directory(file, ignored) && ::access(folder.c_str(), W_OK) == 0;
 }
 

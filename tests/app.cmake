@@ -12,7 +12,7 @@ endfunction()
 
 # From a capture to frames.
 revisit_program_test(revisit_app_tests WHOLE LABELS programs TIMEOUT 600
-    SOURCES app/comparison.cpp app/memory_test.cpp app/program.cpp app/walk_test.cpp)
+    SOURCES app/comparison.cpp app/memory_test.cpp app/outputs_test.cpp app/program.cpp app/sample_scene.cpp app/walk_test.cpp)
 
 # Settings against photographs and the clock.
 revisit_program_test(revisit_measure_tests WHOLE LABELS programs TIMEOUT 300

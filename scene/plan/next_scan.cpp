@@ -138,9 +138,14 @@ std::vector<double> chancesOf(const Place& place, const glm::dvec3& from, const 
     return seen;
 }
 
+struct Floor {
+    double metres = 0;     ///< above walk's
+    double coarseness = 0; ///< it may lie so much lower
+};
+
 /// The floor under a place in walk space, looked for from the tripod's height down; nothing where it was not seen.
-std::optional<double> floorUnder(const Coverage& coverage, const Pose& walkFromWorld, const glm::dvec3& fromInWalk,
-                                 const NextScanOptions& options) {
+std::optional<Floor> floorUnder(const Coverage& coverage, const Pose& walkFromWorld, const glm::dvec3& fromInWalk,
+                                const NextScanOptions& options) {
     SightLine line;
     const Pose worldFromWalk = inverse(walkFromWorld);
     follow(coverage, wholeCube(coverage), worldFromWalk * fromInWalk, worldFromWalk.rotation * glm::dvec3(0, -1, 0),
@@ -149,22 +154,33 @@ std::optional<double> floorUnder(const Coverage& coverage, const Pose& walkFromW
     const double floor = fromInWalk.y - line.endMetres;
     // The cell's upper face; the floor is somewhere in the cell, and walk's own floor is known better.
     const auto cell = cellAt(coverage, worldFromWalk * glm::dvec3(fromInWalk.x, floor - 1e-6, fromInWalk.z));
-    if (floor >= 0 && cell && floor <= cell->edgeMetres) return 0;
-    return std::abs(floor) <= options.floorToleranceMetres ? std::optional(floor) : std::nullopt;
+    if (floor >= 0 && cell && floor <= cell->edgeMetres) return Floor{};
+    if (std::abs(floor) > options.floorToleranceMetres) return std::nullopt;
+    return Floor{floor, cell ? cell->edgeMetres : 0};
 }
 
-/// Whether what bears the tripod is raised above floor that was seen beside it, as seats, beds and tables are.
-bool isRaised(const Coverage& coverage, const Pose& walkFromWorld, const glm::dvec3& floorInWalk,
+/// Whether space was seen empty all the way from a place to one beside it, walk.
+bool isOpenTo(const Coverage& coverage, const Pose& walkFromWorld, const glm::dvec3& from, const glm::dvec3& to) {
+    const Pose worldFromWalk = inverse(walkFromWorld);
+    SightLine line;
+    follow(coverage, wholeCube(coverage), worldFromWalk * from, worldFromWalk.rotation * glm::normalize(to - from),
+           glm::distance(from, to), line);
+    return !line.endsAtSurface && line.unseen.empty();
+}
+
+/// Whether what bears the tripod is raised above floor that was seen beside it, as seats, beds and tables are; what
+/// lies behind a wall is not beside it.
+bool isRaised(const Coverage& coverage, const Pose& walkFromWorld, const glm::dvec3& tripodInWalk, const Floor& floor,
               const NextScanOptions& options) {
     constexpr int kRings = 2, kSpokes = 12;
     for (int k = 0; k < kRings * kSpokes; ++k) {
         const double radius = options.besideMetres * (1 + k / kSpokes) / kRings;
         const double angle = 2 * 3.14159265358979323846 * k / kSpokes;
-        const std::optional<double> beside = floorUnder(
-            coverage, walkFromWorld,
-            {floorInWalk.x + radius * std::cos(angle), options.tripodMetres, floorInWalk.z + radius * std::sin(angle)},
-            options);
-        if (beside && *beside < floorInWalk.y - options.mostRaisedMetres) return true;
+        const glm::dvec3 beside = tripodInWalk + radius * glm::dvec3(std::cos(angle), 0, std::sin(angle));
+        const std::optional<Floor> other = floorUnder(coverage, walkFromWorld, beside, options);
+        if (other && floor.metres - other->metres > options.mostRaisedMetres + floor.coarseness &&
+            isOpenTo(coverage, walkFromWorld, tripodInWalk, beside))
+            return true;
     }
     return false;
 }
@@ -205,11 +221,11 @@ std::vector<glm::dvec3> findStandingPlaces(const Coverage& coverage, const Pose&
                     (static_cast<double>(row) + 0.5) / static_cast<double>(rows) * bounds.size.z);
                 glm::dvec3 at = walkFromWorld * (worldFromBounds * ground);
                 at.y = options.tripodMetres;
-                const std::optional<double> floor = floorUnder(coverage, walkFromWorld, at, options);
-                if (!floor || !isClear(coverage, worldFromWalk, {at.x, *floor, at.z}, options) ||
-                    isRaised(coverage, walkFromWorld, {at.x, *floor, at.z}, options))
+                const std::optional<Floor> floor = floorUnder(coverage, walkFromWorld, at, options);
+                if (!floor || !isClear(coverage, worldFromWalk, {at.x, floor->metres, at.z}, options) ||
+                    isRaised(coverage, walkFromWorld, at, *floor, options))
                     continue;
-                found[row].push_back(worldFromWalk * glm::dvec3(at.x, *floor + options.tripodMetres, at.z));
+                found[row].push_back(worldFromWalk * glm::dvec3(at.x, floor->metres + options.tripodMetres, at.z));
             }
         });
         std::vector<glm::dvec3> places;

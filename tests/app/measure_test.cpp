@@ -137,6 +137,7 @@ TEST_F(Measure, TakesCamerasWithTheirPicturesBesideThem) {
 TEST_F(Measure, RefusesInOneLine) {
     std::ofstream(path("unknown.json")) << R"({"wrap": "mesh"})";
     std::ofstream(path("range.json")) << R"({"settings": [{"name": "a", "max_footprint": 1000}]})";
+    std::ofstream(path("shared.json")) << R"({"settings": [{"name": "a/b"}, {"name": "a-b"}]})";
     std::ofstream(path("broken.json")) << R"({"warp": )";
     json lonely{{"cameras", readJson(scene() + "/scene.json").at("held_out")}};
     lonely["cameras"][0]["name"] = "nobody";
@@ -155,6 +156,7 @@ TEST_F(Measure, RefusesInOneLine) {
         {{"--quality", path("broken.json")}, 1, "broken.json"},
         {{"--quality", path("nothing.json")}, 1, "neither a preset nor a file"},
         {{"--settings", path("range.json")}, 1, "a whole number of 1 to 64"},
+        {{"--settings", path("shared.json")}, 1, "would be the picture of two settings"},
         {{"--sweep", "colour"}, 1, "resolution_scale"},
         {{"--cameras", path("lonely.json")}, 1, "nobody"},
         {{"--max-footprint", "0"}, 2, "1 to 64"},

@@ -108,6 +108,17 @@ TEST_F(Plan, SaysWhereToStandAndDrawsIt) {
     EXPECT_NEAR(unseen / static_cast<double>(unseen + empty), 0.25, 0.1) << "the corner's share of the ground";
     EXPECT_GT(next, 300);
     EXPECT_GT(stood, 100);
+
+    // Once more it is put in the place of what it was; a picture of another hand, whose name nobody gave, is not.
+    EXPECT_EQ(revisit({"plan", at("room.revisit"), "--out", at("plan.json")}).status, 0);
+    EXPECT_EQ(revisit({"plan", at("room.revisit"), "--out", at("tmp.a")}).status, 0);
+    EXPECT_EQ(revisit({"plan", at("room.revisit"), "--out", at("tmp.b")}).status, 0);
+    EXPECT_TRUE(std::filesystem::exists(at("tmp.a.png")) && std::filesystem::exists(at("tmp.b.png")));
+    std::ofstream(at("site.png")) << "of another hand";
+    const Outcome refused = revisit({"plan", at("room.revisit"), "--out", at("site.json")});
+    EXPECT_EQ(refused.status, 1);
+    EXPECT_THAT(refused.output, HasSubstr("no plan of that name speaks of it"));
+    EXPECT_EQ(std::filesystem::file_size(at("site.png")), 15u);
 }
 
 TEST_F(Plan, SaysWhatIsMissing) {

@@ -47,6 +47,8 @@ class SceneFolder : public testing::Test {
 TEST_F(SceneFolder, AScenesOwnFilesAreReplacedAndNothingElse) {
     EXPECT_EQ(refusalOf(scene_, {scratch_ / "capture"}), "");
     EXPECT_EQ(refusalOf(scratch_ / "new.revisit"), "");
+    std::filesystem::create_symlink("nowhere", scratch_ / "dangling");
+    EXPECT_THAT(refusalOf(scratch_ / "dangling"), HasSubstr("is a link to what does not exist"));
     for (const char* name : {"station.e57", "frames/pose-0000-left.png", "images/00001.png", "images/mine.tiff",
                              "held_out/x.jpg", "notes.json.bak"}) {
         write(scene_ / name);

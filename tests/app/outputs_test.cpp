@@ -1,0 +1,133 @@
+// What the programs put in the place of what: results of before, and nothing of another hand.
+
+#include "tests/app/comparison.h"
+#include "tests/app/program.h"
+#include "tests/app/sample_scene.h"
+#include "tests/scene/scratch_folder.h"
+
+#include <filesystem>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace app {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+const SampleScene& sampleRoom() {
+    static const SampleScene room("room", 4, "80x60");
+    return room;
+}
+
+class Outputs : public testing::Test {
+  protected:
+    std::string at(const std::string& name) const { return (scratch_ / name).string(); }
+    Outcome revisit(std::vector<std::string> arguments) const {
+        arguments.insert(arguments.begin(), REVISIT_PROGRAM);
+        return run(arguments, scratch_.path());
+    }
+    /// As a shell runs it, where it may send its output.
+    Outcome shell(const std::string& command) const {
+        return run({"/bin/sh", "-c", std::string(REVISIT_PROGRAM) + " " + command}, scratch_.path());
+    }
+    void expectRefused(const std::vector<std::string>& arguments, const std::string& says, const std::string& kept) {
+        const std::string before = scene::bytesOfFile(kept);
+        const Outcome refused = revisit(arguments);
+        EXPECT_EQ(refused.status, 1) << testing::PrintToString(arguments) << refused.output;
+        EXPECT_THAT(refused.output, HasSubstr(says)) << testing::PrintToString(arguments);
+        EXPECT_EQ(scene::bytesOfFile(kept), before) << testing::PrintToString(arguments);
+    }
+    void writePath(const std::string& name) const {
+        scene::writeFile(at(name), R"({"space": "walk", "poses": [
+            {"t": 0, "position": [0, 1.6, 0], "orientation": [0, 0, 0, 1]},
+            {"t": 1, "position": [0.1, 1.6, 0], "orientation": [0, 0, 0, 1]}]})");
+    }
+    std::vector<std::string> walk(const std::vector<std::string>& further) const {
+        std::vector<std::string> command{
+            "walk", sampleRoom().scene(), "--headless", "--path", at("path.json"), "--frames", "2", "--size", "32x24"};
+        command.insert(command.end(), further.begin(), further.end());
+        return command;
+    }
+
+    scene::ScratchFolder scratch_;
+};
+
+TEST_F(Outputs, NoInputAndNoPartOfASceneIsReplaced) {
+    writePath("path.json");
+    scene::writeFile(at("board.jpg"), "a photograph");
+    const std::string manifest = sampleRoom().scene() + "/scene.json";
+    expectRefused({"calibrate", "camera", at("board.jpg"), "-o", at("board.jpg")}, "this command reads it",
+                  at("board.jpg"));
+    expectRefused({"calibrate", "camera", at("board.jpg"), "-o", manifest}, "nothing that this command writes",
+                  manifest);
+    expectRefused(walk({"--record", at("path.json")}), "this command reads it", at("path.json"));
+    expectRefused(walk({"--record", manifest}), "nothing that this command writes", manifest);
+    expectRefused({"plan", sampleRoom().scene(), "--out", manifest}, "nothing that this command writes", manifest);
+}
+
+TEST_F(Outputs, AWalkReplacesAWalkAndNothingElse) {
+    writePath("path.json");
+    const std::vector<std::string> command = walk({"--out", at("out"), "--picture-every", "1"});
+    ASSERT_EQ(revisit(command).status, 0);
+    const Outcome again = revisit(command);
+    EXPECT_EQ(again.status, 0) << again.output;
+    EXPECT_THAT(again.output, HasSubstr("holds pictures of an earlier walk, 4 of them"));
+    // Of one that was killed there is no report: pictures alone, and what was beside them.
+    fs::remove(at("out/report.json"));
+    fs::remove(at("out/cameras.json"));
+    scene::writeFile(at("out/log.txt"), "said");
+    EXPECT_EQ(revisit(command).status, 0);
+    fs::remove(at("out/report.json"));
+    expectRefused(command, "holds cameras.json", at("out/cameras.json"));
+    fs::remove(at("out/cameras.json"));
+    scene::writeFile(at("out/mine.png"), "a photograph");
+    expectRefused(command, "holds pictures of frames", at("out/frame-000000-left.png"));
+
+    fs::create_directory(at("mine"));
+    scene::writeFile(at("mine/report.json"), R"({"of": "another hand"})");
+    expectRefused(walk({"--out", at("mine")}), "holds report.json", at("mine/report.json"));
+    expectRefused({"render", sampleRoom().scene(), "--path", at("path.json"), "--size", "32x24", "--out", at("mine")},
+                  "holds report.json", at("mine/report.json"));
+    // A user's cameras beside what was drawn by them.
+    scene::writeFile(at("mine/report.json"), R"({"samples_drawn": {}, "frames": 1})");
+    scene::writeFile(at("mine/cameras.json"), R"({"cameras": []})");
+    expectRefused(walk({"--out", at("mine"), "--picture-every", "1"}), "cameras.json", at("mine/cameras.json"));
+}
+
+TEST_F(Outputs, ARecordGoesWhereALinkLeadsAndIntoADevice) {
+    writePath("path.json");
+    fs::create_symlink("real.json", at("link.json"));
+    expectRefused(walk({"--record", at("link.json")}), "is a link to what does not exist", at("path.json"));
+    ASSERT_EQ(revisit(walk({"--record", at("real.json")})).status, 0);
+    ASSERT_EQ(revisit(walk({"--record", at("link.json")})).status, 0);
+    EXPECT_TRUE(fs::is_symlink(at("link.json")));
+    EXPECT_EQ(revisit(walk({"--record", "/dev/null"})).status, 0);
+    EXPECT_TRUE(fs::is_character_file("/dev/null"));
+}
+
+TEST_F(Outputs, WhatCannotBeWrittenToStandardOutputIsNoSuccess) {
+    for (const std::string command : {"--help", "info --json "}) {
+        const std::string whole = command + (command[0] == 'i' ? sampleRoom().scene() : std::string());
+        const Outcome full = shell(whole + " > /dev/full");
+        EXPECT_EQ(full.status, 1) << full.output;
+        EXPECT_THAT(full.output, HasSubstr("standard output: cannot be written to"));
+        EXPECT_EQ(shell(whole + " > /dev/null").status, 0);
+    }
+}
+
+TEST_F(Outputs, InfoInJsonOutlivesDamagedNotes) {
+    fs::copy(sampleRoom().scene(), at("noted.revisit"), fs::copy_options::recursive);
+    scene::writeFile(at("noted.revisit/notes.json"), "");
+    const Outcome told = shell("info --json " + at("noted.revisit") + " 2> /dev/null");
+    EXPECT_EQ(told.status, 1);
+    const nlohmann::json info = nlohmann::json::parse(told.output);
+    EXPECT_TRUE(info.at("notes").is_null());
+    EXPECT_GT(info.at("figures").at("samples"), 0);
+}
+
+} // namespace
+} // namespace app
