@@ -47,7 +47,7 @@ void Annotator::update(const NotingWants& wants) {
     aimed_ = wants.aim ? scene::pick(scene_.blocks, *wants.aim, wants.shown) : std::nullopt;
     const std::size_t before = noting_.notes.list.size();
     const bool hadStart = noting_.start.has_value();
-    if (wants.undoes) noting_ = undo(std::move(noting_));
+    if (wants.undoes) takeBack();
     if (wants.presses) {
         if (!refused_.empty())
             notice_ = refused_;
@@ -59,12 +59,25 @@ void Annotator::update(const NotingWants& wants) {
             noting_ = press(std::move(noting_), wants.mode, *aimed_, timeNow());
     }
     if (noting_.start && !hadStart) notice_ = "from" + sayPlace(*noting_.start) + ", to where?";
-    if (noting_.notes.list.size() != before) keep();
+    if (noting_.notes.list.size() == before) return;
+    if (noting_.notes.list.size() > before) {
+        const Note& made = noting_.notes.list.back();
+        notice_ = made.label + sayPlace(made.to);
+    }
+    keep();
+}
+
+void Annotator::takeBack() {
+    const bool hadStart = noting_.start.has_value();
+    const std::vector<Note>& list = noting_.notes.list;
+    const std::string last = list.size() > noting_.older ? list.back().label : std::string();
+    noting_ = undo(std::move(noting_));
+    notice_ = hadStart       ? "the start of the distance is taken back"
+              : last.empty() ? "nothing that was noted in this walk is left to take back"
+                             : last + " is taken back";
 }
 
 void Annotator::keep() {
-    const std::vector<Note>& list = noting_.notes.list;
-    if (!list.empty()) notice_ = list.back().label + sayPlace(list.back().to);
     try {
         file_.write(noting_.notes);
     } catch (const scene::Failure& failure) {

@@ -42,6 +42,7 @@ class Annotator {
 
   private:
     void keep();
+    void takeBack();
 
     const scene::Scene& scene_;
     scene::Pose worldFromWalk_;

@@ -9,6 +9,7 @@
 #include "scene/scene_file.h"
 
 #include <algorithm>
+#include <functional>
 #include <iterator>
 
 namespace app {
@@ -68,9 +69,13 @@ Overlaps findOverlaps(const ImportedImages& imported, const BuildOptions& option
         std::copy_if(outline.disparity.begin(), outline.disparity.end(), std::back_inserter(shown),
                      [](float disparity) { return disparity > 0; });
     if (shown.empty()) return overlaps;
-    const auto middle = shown.begin() + std::ssize(shown) / 2;
-    std::nth_element(shown.begin(), middle, shown.end());
-    overlaps.medianMetres = 1.0 / *middle;
+    constexpr double kNearlyAll = 0.99;
+    std::sort(shown.begin(), shown.end(), std::greater<>());
+    const auto metresAt = [&](double share) {
+        return 1.0 /
+               static_cast<double>(shown[static_cast<std::size_t>(share * static_cast<double>(shown.size() - 1))]);
+    };
+    overlaps.medianMetres = metresAt(0.5), overlaps.nearlyAllMetres = metresAt(kNearlyAll);
     return overlaps;
 }
 

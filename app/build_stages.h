@@ -81,7 +81,9 @@ ImportedImages capturePolygons(scene::Capture& capture, const BuildOptions& opti
 struct Overlaps {
     std::vector<std::vector<scene::Partner>> partners;
     std::int64_t pairs = 0;
-    double medianMetres = 0; ///< of all that images show, along their axes; 0 where they show nothing
+    /// Of all that images show, along their axes: as far as half of it is, and as nearly all; 0 where they show
+    /// nothing.
+    double medianMetres = 0, nearlyAllMetres = 0;
 };
 Overlaps findOverlaps(const ImportedImages& imported, const BuildOptions& options);
 

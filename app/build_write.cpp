@@ -231,6 +231,8 @@ void writeScene(const std::filesystem::path& output, const scene::Capture& captu
                       {"figures",
                        {{"images", imported.images.size()},
                         {"overlapping_pairs", overlaps.pairs},
+                        {"shown_median_m", overlaps.medianMetres},
+                        {"shown_nearly_all_m", overlaps.nearlyAllMetres},
                         {"samples", kept.figures.samples},
                         {"samples_base", kept.figures.base},
                         {"samples_directional", kept.figures.directional},

@@ -42,7 +42,9 @@ class DeskWindow {
 
   private:
     void listen() {
-        input::DeskSays says = keyboard_.read(!window_.panelHasKeys(), !window_.panelHasMouse());
+        // The panel itself learns only with its next frame where the mouse has gone.
+        const bool isOnPanel = window_.panelHasMouse() || window_.hasMouseIn(state_.area);
+        input::DeskSays says = keyboard_.read(!window_.panelHasKeys(), !isOnPanel);
         obey(says);
         desktop_.tilt(says.tilt);
         // In shares of the picture it points at: the walk does not know of windows.

@@ -146,31 +146,14 @@ void printPhotographs(const json& photographs) {
 
 /// How large the place is: units that were mistaken show here at a glance.
 struct Extent {
-    glm::dvec3 placesMetres{0}; ///< along the world's axes
-    /// Of the samples' distances along the axis of the image that keeps them.
-    double medianMetres = 0, nearlyAllMetres = 0;
+    glm::dvec3 placesMetres{0};                   ///< along the world's axes
+    double medianMetres = 0, nearlyAllMetres = 0; ///< of all that images show, along their axes
 };
-constexpr double kNearlyAll = 0.99;
-
-Extent extentOf(const scene::Scene& scene) {
+Extent extentOf(const scene::Scene& scene, const json& figures) {
     Extent extent;
-    std::vector<std::pair<double, std::uint32_t>> samplesAt; // a tile's, together
-    std::uint64_t samples = 0;
-    for (const scene::TileBlock& block : scene.blocks)
-        for (const scene::Tile& tile : block.tiles) {
-            const double disparity = 0.5 * (tile.minDisparity + tile.maxDisparity);
-            if (!scene::isForAllEyes(tile.tier) || !(disparity > 0)) continue;
-            samplesAt.emplace_back(1 / disparity, tile.pointCount);
-            samples += tile.pointCount;
-        }
-    std::ranges::sort(samplesAt);
-    std::uint64_t nearer = 0;
-    for (const auto& [metres, count] : samplesAt) {
-        const auto before = static_cast<double>(nearer);
-        nearer += count;
-        if (before < 0.5 * static_cast<double>(samples)) extent.medianMetres = metres;
-        if (before < kNearlyAll * static_cast<double>(samples)) extent.nearlyAllMetres = metres;
-    }
+    // Scenes of before do not say.
+    extent.medianMetres = figures.value("shown_median_m", 0.0);
+    extent.nearlyAllMetres = figures.value("shown_nearly_all_m", 0.0);
     if (scene.images.empty()) return extent;
     glm::dvec3 low = scene.images.front().worldFromCamera.translation, high = low;
     for (const scene::SceneImage& image : scene.images) {
@@ -200,11 +183,12 @@ void printText(const scene::Scene& scene, const json& info, const Extent& extent
         std::printf("  from       %s\n", shown(input).c_str());
     std::printf("  images     %zu, %zu held out, %.0f overlapping pairs\n", scene.images.size(), scene.heldOut.size(),
                 number("overlapping_pairs"));
-    std::printf(
-        "  extent     they stand within %.2f x %.2f x %.2f m; what they show is %.2f m away in the median, 99 %% of "
-        "it within %.2f m\n",
-        extent.placesMetres.x, extent.placesMetres.y, extent.placesMetres.z, extent.medianMetres,
-        extent.nearlyAllMetres);
+    std::printf("  extent     they stand within %.2f x %.2f x %.2f m", extent.placesMetres.x, extent.placesMetres.y,
+                extent.placesMetres.z);
+    if (extent.medianMetres > 0)
+        std::printf("; half of what they show is within %.2f m of them, 99 %% of it within %.2f m", extent.medianMetres,
+                    extent.nearlyAllMetres);
+    std::printf("\n");
     if (number("scan_points") > 0)
         std::printf("  scans      %.0f points, %.0f held, %.0f dropped\n", number("scan_points"),
                     number("scan_points_held"), number("scan_points_dropped"));
@@ -234,8 +218,9 @@ void printText(const scene::Scene& scene, const json& info, const Extent& extent
                     "never observed\n",
                     number("coverage_nodes"), 1e3 * number("coverage_finest_m"), number("coverage_empty_m3"),
                     number("coverage_unseen_m3"));
-    std::printf("  tiles      %.0f, %.1f MB; scene %.1f MB on disk\n", number("tiles"),
-                static_cast<double>(scene.tilesFile.bytes().size()) / 1e6, info["bytes_on_disk"].get<double>() / 1e6);
+    std::printf("  tiles      %.0f, and %.0f of coarser levels, %.1f MB; scene %.1f MB on disk\n", number("tiles"),
+                number("tiles_coarser"), static_cast<double>(scene.tilesFile.bytes().size()) / 1e6,
+                info["bytes_on_disk"].get<double>() / 1e6);
     for (const json& reason : info.at("built"))
         std::printf("  built      %s\n", shown(reason).c_str());
     for (const json& remark : info.at("provenance").at("remarks"))
@@ -261,7 +246,7 @@ void printInfo(const std::filesystem::path& folder, bool asJson) {
     }
     info["bytes_on_disk"] = bytesOnDisk(folder);
     info["tiles_bytes"] = scene.tilesFile.bytes().size();
-    const Extent extent = extentOf(scene);
+    const Extent extent = extentOf(scene, info.at("figures"));
     info["extent"] = {{"places_m", {extent.placesMetres.x, extent.placesMetres.y, extent.placesMetres.z}},
                       {"median_depth_m", extent.medianMetres},
                       {"nearly_all_depth_m", extent.nearlyAllMetres}};

@@ -99,7 +99,7 @@ void drawWalking(PanelState& state, Knobs& knobs) {
     for (const double degrees : {15.0, 30.0, 45.0, 0.0}) {
         const std::string title = degrees > 0 ? "turn " + std::to_string(static_cast<int>(degrees)) : "smoothly";
         if (ImGui::RadioButton(title.c_str(), settings.snapDegrees == degrees)) settings.snapDegrees = degrees;
-        if (degrees > 0) ImGui::SameLine();
+        if (degrees > 0 && degrees < 45) ImGui::SameLine(); // four do not fit
     }
     slide("turning", settings.turnDegreesPerSecond, 10, 360, "%.0f degrees/s");
     slide("speed", settings.metresPerSecond, 0.1, 20, "%.1f m/s");
@@ -113,12 +113,14 @@ void drawWalking(PanelState& state, Knobs& knobs) {
 void drawHelp() {
     if (!ImGui::TreeNode("keys")) return;
     if (ImGui::BeginTable("keys", 2)) {
+        ImGui::TableSetupColumn("keys", ImGuiTableColumnFlags_WidthFixed);
+        ImGui::TableSetupColumn("does", ImGuiTableColumnFlags_WidthStretch);
         for (const input::KeyHelp& line : input::keyHelp()) {
             ImGui::TableNextRow();
             ImGui::TableNextColumn();
             ImGui::TextUnformatted(line.keys);
             ImGui::TableNextColumn();
-            ImGui::TextUnformatted(line.does);
+            ImGui::TextWrapped("%s", line.does);
         }
         ImGui::EndTable();
     }
@@ -134,10 +136,14 @@ void drawPanel(const WalkFacts& facts, PanelState& state, Knobs& knobs) {
         ImGui::TextColored({1, 0.3f, 0.3f, 1}, "film");
         ImGui::End();
     }
+    state.area = {};
     if (!state.isOpen) return;
     ImGui::SetNextWindowPos({8, 8}, ImGuiCond_FirstUseEver);
     ImGui::SetNextWindowSize({340, 480}, ImGuiCond_FirstUseEver);
-    if (ImGui::Begin("Revisit", &state.isOpen)) {
+    const bool isUnfolded = ImGui::Begin("Revisit", &state.isOpen);
+    const ImVec2 at = ImGui::GetWindowPos(), size = ImGui::GetWindowSize();
+    state.area = {at.x, at.y, size.x, size.y};
+    if (isUnfolded) {
         ImGui::PushItemWidth(170);
         drawFacts(facts);
         ImGui::Separator();

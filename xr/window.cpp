@@ -114,6 +114,13 @@ bool Window::panelHasMouse() const {
     return ImGui::GetIO().WantCaptureMouse;
 }
 
+bool Window::hasMouseIn(const std::array<float, 4>& area) const {
+    double x = 0, y = 0;
+    glfwGetCursorPos(window_, &x, &y);
+    const auto [left, top, width, height] = area;
+    return x >= left && x < left + width && y >= top && y < top + height;
+}
+
 bool Window::panelHasKeys() const {
     return ImGui::GetIO().WantTextInput;
 }

@@ -2,6 +2,7 @@
 // A window on the desk: pictures side by side, and a panel over them. It draws with OpenGL and knows nothing of the
 // device that made the pictures, so that it neither waits for a headset's frames nor holds them up.
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <span>
@@ -54,6 +55,8 @@ class Window {
     void draw(const std::function<void()>& panel);
     /// Whether the panel, not the walk, is meant by the mouse or by the keys.
     bool panelHasMouse() const;
+    /// area: x, y, width, height, in the window's own units.
+    bool hasMouseIn(const std::array<float, 4>& area) const;
     bool panelHasKeys() const;
 
   private:

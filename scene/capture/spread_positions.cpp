@@ -5,6 +5,7 @@
 #include "scene/errors.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cassert>
 #include <cmath>
 #include <limits>
@@ -26,6 +27,7 @@ constexpr double kMostBacks = 0.1;  ///< share of looks that end at backs: one s
 constexpr double kFloorShare = 0.2; ///< of the eye's height: half of the least width of a floor
 constexpr double kStepShare = 0.15; ///< of the eye's height: a step that is still the same floor
 constexpr double kLevel = 0.7;      ///< cosine of the slope up to which one can stand
+constexpr double kFlatShare = 0.02; ///< of its width: what is no higher is ground without anything on it
 
 struct Candidate {
     glm::dvec3 position{0.0};
@@ -33,7 +35,9 @@ struct Candidate {
 };
 
 /// Eye height over each floor below a place at the top of the scene; a place on a floor alone, whatever its back.
-std::vector<glm::dvec3> standsBelow(const PolygonTracer& tracer, glm::dvec3 from, double eyeMetres) {
+/// turned: how many would be floors if their faces were not turned away.
+std::vector<glm::dvec3> standsBelow(const PolygonTracer& tracer, glm::dvec3 from, double eyeMetres,
+                                    std::atomic<int>& turned) {
     std::vector<glm::dvec3> stands;
     for (int floor = 0; floor < kMostFloors; ++floor) {
         const std::optional<PolygonHit> hit = tracer.cast(from, {0, -1, 0});
@@ -41,6 +45,7 @@ std::vector<glm::dvec3> standsBelow(const PolygonTracer& tracer, glm::dvec3 from
         const TriangleInWorld triangle = tracer.triangleOf(*hit);
         const double y = from.y - hit->t;
         const bool isFloor = !hit->isBack && triangle.across.y > kLevel * glm::length(triangle.across);
+        if (hit->isBack && triangle.across.y < -kLevel * glm::length(triangle.across)) ++turned;
         if (isFloor && hit->t > eyeMetres) stands.emplace_back(from.x, y + eyeMetres, from.z);
         from.y = y - 2 * tracer.skinMetres();
     }
@@ -128,20 +133,29 @@ void dropPoorRooms(const PolygonTracer& tracer, double step, double richShare, s
     candidates = std::move(kept);
 }
 
+/// What a failure is about.
+std::string nameOf(const PolygonTracer& tracer) {
+    return tracer.scene().files.empty() ? std::string("scene") : tracer.scene().files.front().string();
+}
+
 std::vector<Candidate> findCandidates(const PolygonTracer& tracer, const SpreadOptions& options) {
     const PolygonBounds& bounds = tracer.bounds();
     const glm::dvec3 extent = bounds.high - bounds.low;
-    const double step = std::max(extent.x, extent.z) / options.gridAcross;
-    const double eye = std::min(options.eyeMetres, extent.y / 2);
+    const double wide = std::max(extent.x, extent.z), step = wide / options.gridAcross;
+    // Of bare ground the height says nothing; else what is highest is a roof, and nobody stands on it.
+    const bool isBare = extent.y < kFlatShare * wide;
+    const double eye = std::min(options.eyeMetres, isBare ? wide / 4 : extent.y / 2);
+    const double topmost = bounds.high.y + (isBare ? 2 : 1) * eye;
     const int columns = std::max(1, static_cast<int>(extent.x / step)),
               rows = std::max(1, static_cast<int>(extent.z / step));
+    std::atomic<int> turned = 0;
     std::vector<std::vector<Candidate>> found(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows));
     tbb::parallel_for(std::size_t{0}, found.size(), [&](std::size_t cell) {
         const auto column = static_cast<int>(cell) % columns, row = static_cast<int>(cell) / columns;
         // Half a grid's width beside the middle, so that columns do not run along the edges of a symmetric scene.
-        const glm::dvec3 top(bounds.low.x + (column + 0.5) / columns * extent.x, bounds.high.y + eye,
+        const glm::dvec3 top(bounds.low.x + (column + 0.5) / columns * extent.x, topmost,
                              bounds.low.z + (row + 0.5) / rows * extent.z);
-        for (const glm::dvec3& place : standsBelow(tracer, top, eye)) {
+        for (const glm::dvec3& place : standsBelow(tracer, top, eye, turned)) {
             const Surroundings about = lookRound(tracer, place);
             if (about.nearestMetres < std::min(options.clearanceMetres, eye / 4) || about.backShare > kMostBacks)
                 continue;
@@ -157,6 +171,12 @@ std::vector<Candidate> findCandidates(const PolygonTracer& tracer, const SpreadO
         most = std::max(most, candidate.about.levelShare);
     std::erase_if(candidates, [&](const Candidate& c) { return c.about.levelShare < options.seenShare * most; });
     dropPoorRooms(tracer, step, options.richShare, candidates);
+    if (candidates.empty() && turned > 0)
+        throw Failure("has no floor at which one could stand: what would be one shows its back, since it is solid or "
+                      "its faces are turned the wrong way",
+                      nameOf(tracer), "turn them round where the model was made, or give a file of positions");
+    if (candidates.empty())
+        throw Failure("has no floor at which one could stand", nameOf(tracer), "give a file of positions");
     return candidates;
 }
 
@@ -207,17 +227,10 @@ std::size_t widestOf(const std::vector<Candidate>& candidates) {
         candidates.begin());
 }
 
-/// What a failure is about.
-std::string nameOf(const PolygonTracer& tracer) {
-    return tracer.scene().files.empty() ? std::string("scene") : tracer.scene().files.front().string();
-}
-
 } // namespace
 
 std::vector<glm::dvec3> standingPlaces(const PolygonTracer& tracer, const SpreadOptions& options) {
     std::vector<Candidate> candidates = findCandidates(tracer, options);
-    if (candidates.empty())
-        throw Failure("has no floor at which one could stand", nameOf(tracer), "give a file of positions");
     std::swap(candidates.front(), candidates[widestOf(candidates)]);
     std::vector<glm::dvec3> places;
     for (const Candidate& candidate : candidates)

@@ -13,6 +13,7 @@
 #include <charconv>
 #include <cmath>
 #include <fstream>
+#include <map>
 #include <unordered_map>
 #include <unordered_set>
 
@@ -69,6 +70,21 @@ void openInput(const std::filesystem::path& input, Capture& capture) {
     throw Failure(
         "format " + (extension.empty() ? std::string("without an extension") : extension) + " is not known", input,
         "give an .e57, a .ptx, a transforms.json, a folder in TUM layout, or polygons as .gltf, .glb or .obj");
+}
+
+/// One picture of two places is wrong at one of them at least.
+void remarkDoubled(Capture& capture) {
+    std::map<std::filesystem::path, const PhotoSource*> first;
+    for (const PhotoSource& photo : capture.photos) {
+        std::error_code error;
+        const std::filesystem::path path = std::filesystem::weakly_canonical(photo.colourPath, error);
+        const auto [at, isNew] = first.try_emplace(error ? photo.colourPath : path, &photo);
+        if (isNew) continue;
+        const Pose &a = at->second->worldFromCamera, &b = photo.worldFromCamera;
+        const bool isSame = a.rotation == b.rotation && a.translation == b.translation;
+        capture.remarks.push_back("Photograph '" + photo.colourPath.string() + "' is listed twice" +
+                                  (isSame ? "." : ", as taken from two places: one of them is wrong."));
+    }
 }
 
 /// Bytes of the UTF-8 character at the start of text; 0 if none starts there.
@@ -185,6 +201,7 @@ Capture openCapture(std::span<const std::filesystem::path> inputs) {
         openInput(input, capture);
     if (!capture.polygons.empty() && inputs.size() > 1)
         throw Failure("polygons are built alone", capture.polygons.front(), "give this file and no other input");
+    remarkDoubled(capture);
     std::unordered_set<std::string> taken;
     makeNamesUnique(capture.photos, taken);
     makeNamesUnique(capture.scans, taken);

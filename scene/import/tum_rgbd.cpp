@@ -166,6 +166,7 @@ void listTumRgbd(const std::filesystem::path& folder, Capture& capture) {
     const std::vector<StampedPose> poses = readPoses(folder / "groundtruth.txt");
     const Intrinsics intrinsics = findIntrinsics(folder, capture.remarks);
 
+    const bool isDefault = !std::filesystem::exists(folder / "intrinsics.txt");
     std::size_t taken = 0;
     cv::Size size;
     for (const StampedFile& colour : colours) {
@@ -177,6 +178,10 @@ void listTumRgbd(const std::filesystem::path& folder, Capture& capture) {
         photo.depthPath = folder / depth->path;
         photo.name = photo.colourPath.stem().string();
         if (size.empty()) size = sizeOf(photo.colourPath);
+        if (isDefault && !size.empty() && size != cv::Size(640, 480))
+            throw Failure("has no intrinsics.txt, and what is usual is of pictures of 640x480, not " +
+                              std::to_string(size.width) + "x" + std::to_string(size.height),
+                          folder, "write intrinsics.txt: fx fy cx cy [k1 k2 p1 p2 k3]");
         if (size.empty() || std::max(size.width, size.height) > kMaxPictureSide)
             throw Failure("first picture cannot be read", photo.colourPath, "check the paths in rgb.txt");
         // The benchmark counts the centre of the first pixel at 0, we at 1/2.

@@ -134,10 +134,13 @@ TEST_F(Annotating, UndoIsWrittenAndStopsAtEarlierWalks) {
     annotator.update(pressAt(0.1, 0));
     EXPECT_EQ(onDisk().list.size(), 2u);
     const NotingWants undoes{.aim = {}, .undoes = true};
+    annotator.takeNotice();
     annotator.update(undoes);
     EXPECT_EQ(onDisk().list.size(), 1u);
+    EXPECT_EQ(annotator.takeNotice(), "P2 is taken back");
     annotator.update(undoes);
     EXPECT_EQ(onDisk().list.size(), 1u);
+    EXPECT_EQ(annotator.takeNotice(), "nothing that was noted in this walk is left to take back");
 }
 
 TEST_F(Annotating, ABrokenFileIsSaidAndLeftAlone) {

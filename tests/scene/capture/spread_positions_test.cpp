@@ -57,9 +57,26 @@ TEST(SpreadPositions, AHouseOfTwoFloorsGetsBoth) {
 }
 
 TEST(SpreadPositions, WhereThereIsNoRoomAFailureSaysSo) {
-    const PolygonScene scene = sceneOf(boxMesh({-4, 0, -4}, {4, 3, 4}, false)); // a solid block
+    const PolygonScene scene = sceneOf(boxMesh({-4, 0, -4}, {4, 3, 4}, true));
     const PolygonTracer tracer(scene);
     EXPECT_NE(failureOf<Failure>([&] { spreadPositions(tracer, 100000); }).find("has room for"), std::string::npos);
+}
+
+TEST(SpreadPositions, BareGroundIsStoodOnAndARoomTurnedInsideOutIsToldOf) {
+    PolygonMesh ground;
+    addRectangle(ground, {-5, 0, -5}, {0, 0, 10}, {10, 0, 0});
+    const PolygonScene bare = sceneOf(std::move(ground));
+    const std::vector<glm::dvec3> positions = spreadPositions(PolygonTracer(bare), 3);
+    ASSERT_EQ(positions.size(), 3u);
+    for (const glm::dvec3& p : positions)
+        EXPECT_NEAR(p.y, 1.6, 1e-6);
+
+    const PolygonScene turned = sceneOf(boxMesh({-4, 0, -4}, {4, 3, 4}, false));
+    for (const int count : {1, 4})
+        EXPECT_NE(failureOf<Failure>([&] { spreadPositions(PolygonTracer(turned), count); }).find("shows its back"),
+                  std::string::npos);
+    EXPECT_NE(failureOf<Failure>([&] { standingPlaces(PolygonTracer(turned)); }).find("shows its back"),
+              std::string::npos);
 }
 
 } // namespace

@@ -154,6 +154,21 @@ TEST_F(TransformsJson, NumbersThatAreNoneAreNotPassedOver) {
     }
 }
 
+TEST_F(TransformsJson, APhotographThatIsListedTwiceIsTold) {
+    json again = frameNamed("a");
+    const auto remarksOf = [&] {
+        writeFile(manifest_, manifestOf({frameNamed("a"), frameNamed("b"), again}).dump());
+        return openCapture(std::array{manifest_}).remarks;
+    };
+    ASSERT_EQ(remarksOf().size(), 1u);
+    EXPECT_TRUE(remarksOf()[0].ends_with("a.png' is listed twice."));
+    again["transform_matrix"][0][3] = 1.0;
+    ASSERT_EQ(remarksOf().size(), 1u);
+    EXPECT_NE(remarksOf()[0].find("from two places: one of them is wrong"), std::string::npos);
+    again = frameNamed("c");
+    EXPECT_TRUE(remarksOf().empty());
+}
+
 TEST_F(TransformsJson, WhatNoCaptureHasIsRefused) {
     const auto refuse = [&](const json& root, const char* why) {
         writeFile(manifest_, root.dump());

@@ -125,6 +125,9 @@ TEST_F(TumRgbd, MissingListsAndPicturesAreNamed) {
 
 TEST_F(TumRgbd, KnownCamerasAreTakenByTheFoldersNameWithARemark) {
     std::filesystem::remove(folder_ / "intrinsics.txt");
+    expectRefused("has no intrinsics.txt, and what is usual is of pictures of 640x480, not 40x30");
+    writePicture(folder_ / "rgb/1.png", gradientPicture(640, 480));
+    writePicture(folder_ / "depth/1.png", flatDepth(640, 480, 10000));
     Capture capture = list();
     EXPECT_EQ(capture.photos[0].camera.fx, 525.0);
     ASSERT_EQ(capture.remarks.size(), 1u);
