@@ -241,7 +241,11 @@ TEST_F(Desktop, ClicksMeasureAndAreListedByInfo) {
     screen_->act({"mousemove", "--sync", "640", "300", "click", "1"});
     ASSERT_TRUE(hitUntilSaid("F12", "P3 at", 1)) << log();
     screen_->act({"key", "z"});
-    ASSERT_TRUE(hitUntilSaid("F12", "D2 ", 2)) << "what is now the last is named: " << log();
+    ASSERT_TRUE(hitUntilSaid("F12", "P3 is taken back", 1)) << log();
+    // What is clicked on the panel is meant for it, even if the mouse has only just come there.
+    screen_->act({"mousemove", "60", "60", "click", "1"});
+    ASSERT_TRUE(letFramesPass()) << log();
+    ASSERT_TRUE(letFramesPass()) << log();
     screen_->act({"key", "Escape"});
     ASSERT_EQ(waitFor().status, 0);
 
