@@ -233,7 +233,7 @@ ImportedImages importImages(scene::Capture& capture, const std::vector<std::size
                               "' is denser than its images may be within --memory: where it is densest, several of its "
                               "points share a sample.");
         if (points.at("held") == 0) {
-            tell(capture, "Scan '" + scan.name + "' holds no point with range: nothing of it is in the scene.");
+            imported.emptyScans.push_back(scan.name);
             continue;
         }
         const double rays = static_cast<double>(scan.rows) * static_cast<double>(scan.columns);

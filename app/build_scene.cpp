@@ -133,6 +133,8 @@ void runStages(scene::Capture& capture, const scene::HeldOut& heldOut, const Bui
         reports.silhouettes = settleSilhouettes(imported, overlaps, options, store);
     const SkinStage skins = markSkins(imported, overlaps, options, store);
     if (skins.figures.samples == 0) throw nothingToBuild(options);
+    for (const std::string& scan : imported.emptyScans)
+        tell(capture, "Scan '" + scan + "' holds no point with range: nothing of it is in the scene.");
     sayIfContradictory(skins.figures, options, capture);
     const KeepStage kept = keepBest(imported, overlaps, skins, options, store);
     const TileStage tiles = fuseAndCut(imported, overlaps, skins, kept, options, store);

@@ -62,8 +62,9 @@ scene::Pose poseOf(const nlohmann::json& rows, const std::filesystem::path& file
 struct ImportedImages {
     std::vector<scene::StoredImage> images;
     std::string key;
-    scene::CubeFaceReport scanPoints; ///< summed over the scans
-    glm::dvec3 uprightInWorld{0};     ///< scans and polygons say what is up; zero if there are none
+    scene::CubeFaceReport scanPoints;    ///< summed over the scans
+    std::vector<std::string> emptyScans; ///< names of those without a point
+    glm::dvec3 uprightInWorld{0};        ///< scans and polygons say what is up; zero if there are none
     scene::WalkStart start;
     PolygonFigures polygons;
     nlohmann::json photographs = nullptr; ///< how those of scans were laid on them: what scene.json and info have
