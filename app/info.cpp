@@ -149,6 +149,10 @@ struct Extent {
     glm::dvec3 placesMetres{0};                   ///< along the world's axes
     double medianMetres = 0, nearlyAllMetres = 0; ///< of all that images show, along their axes
 };
+json metresOrNothing(double metres) {
+    return metres > 0 ? json(metres) : json();
+}
+
 Extent extentOf(const scene::Scene& scene, const json& figures) {
     Extent extent;
     // Scenes of before do not say.
@@ -248,8 +252,8 @@ void printInfo(const std::filesystem::path& folder, bool asJson) {
     info["tiles_bytes"] = scene.tilesFile.bytes().size();
     const Extent extent = extentOf(scene, info.at("figures"));
     info["extent"] = {{"places_m", {extent.placesMetres.x, extent.placesMetres.y, extent.placesMetres.z}},
-                      {"median_depth_m", extent.medianMetres},
-                      {"nearly_all_depth_m", extent.nearlyAllMetres}};
+                      {"median_depth_m", metresOrNothing(extent.medianMetres)},
+                      {"nearly_all_depth_m", metresOrNothing(extent.nearlyAllMetres)}};
     if (asJson)
         std::printf("%s\n", info.dump(1, ' ', false, json::error_handler_t::replace).c_str());
     else

@@ -432,6 +432,7 @@ json Walk::reportOf(const WalkStage& stage) const {
                   {"hidden_share", stage.hiddenShares()}, {"eyes", xr::kEyes}};
     settings.update(toJson(knobs_.quality));
     settings["coverage"] = toJson(stage.coverage());
+    settings["damaged_images"] = scene_.damaged.size();
     if (governed_) settings["governor"] = governed_->report();
     if (refreshesMissed_) settings["display_refreshes_missed"] = *refreshesMissed_;
     return report_.summarise(stage.device(), stage.gpuScene(), std::move(settings));
