@@ -63,6 +63,16 @@ void checkReplaceableBeside(const fs::path& folder, const std::function<bool(con
                                  folder, "name another folder with --out");
 }
 
+std::vector<std::string> picturesIn(const fs::path& folder) {
+    std::vector<std::string> names;
+    std::error_code ignored;
+    for (fs::directory_iterator at(folder, ignored), end; !ignored && at != end; at.increment(ignored)) {
+        const std::string extension = at->path().extension().string();
+        if (extension == ".png" || extension == ".tiff") names.push_back(at->path().filename().string());
+    }
+    return names;
+}
+
 bool isDrawnReport(const json& report) {
     return report.is_object() && report.contains("samples_drawn") && report.contains("frames");
 }

@@ -5,6 +5,7 @@
 #include <functional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 
@@ -28,6 +29,9 @@ void checkReplaceableReport(const std::filesystem::path& folder,
 void checkReplaceableBeside(const std::filesystem::path& folder,
                             const std::function<bool(const nlohmann::json&)>& isKind,
                             std::span<const std::string> names);
+
+/// Names of the pictures in a folder; none where there is no folder.
+std::vector<std::string> picturesIn(const std::filesystem::path& folder);
 
 /// Of a drawn run: `render` and `walk`.
 bool isDrawnReport(const nlohmann::json& report);

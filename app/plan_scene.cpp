@@ -59,7 +59,7 @@ void sayHowScansStand(const scene::Scene& scene) {
 }
 
 /// Neither the plan nor the picture, whose name nobody gave, takes the place of anything but those of before.
-void checkReplaceable(const std::filesystem::path& out, const std::filesystem::path& picture) {
+void checkPlanAndPicture(const std::filesystem::path& out, const std::filesystem::path& picture) {
     std::error_code ignored;
     if (std::filesystem::is_other(out, ignored))
         throw scene::Failure("is no file, and a picture stands beside the plan", out, "name a file, as plan.json");
@@ -115,7 +115,7 @@ void planScene(const PlanOptions& options) {
     const std::filesystem::path folder = std::filesystem::absolute(options.out).parent_path();
     if (!std::filesystem::is_directory(folder)) // said now, not when all is found out
         throw scene::Failure("no such folder", folder, "make it, or name a file elsewhere");
-    checkReplaceable(options.out, picture);
+    checkPlanAndPicture(options.out, picture);
     const scene::Scene scene = scene::openScene(options.scene);
     if (!scene.coverage)
         throw scene::Failure("does not say what was never observed", options.scene,

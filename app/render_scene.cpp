@@ -120,13 +120,8 @@ std::string nameOfEye(const std::string& view, int eyes, std::size_t eye) {
 }
 
 std::size_t picturesBeside(const std::filesystem::path& folder, const std::set<std::string>& names) {
-    std::size_t others = 0;
-    std::error_code ignored;
-    for (std::filesystem::directory_iterator at(folder, ignored), end; !ignored && at != end; at.increment(ignored)) {
-        const std::string extension = at->path().extension().string();
-        others += (extension == ".png" || extension == ".tiff") && !names.contains(at->path().filename().string());
-    }
-    return others;
+    return static_cast<std::size_t>(
+        std::ranges::count_if(picturesIn(folder), [&](const std::string& name) { return !names.contains(name); }));
 }
 
 /// Whether a scene was built from what stands right there, as far as its inputs' names still say.

@@ -12,6 +12,7 @@
 #include "scene/scene_file.h"
 #include "scene/unfinished_file.h"
 
+#include <algorithm>
 #include <array>
 #include <csignal>
 #include <cstdio>
@@ -114,23 +115,18 @@ std::unique_ptr<xr::Window> openWindow(const WalkOptions& options) {
 }
 
 /// Of a walk that was killed there are pictures alone: those may be drawn again.
-void checkReplaceable(const WalkOptions& options) {
+void checkWalkFolder(const WalkOptions& options) {
     const auto isWalks = [](const nlohmann::json& report) {
-        return isDrawnReport(report) && report.contains("hidden_share"); // a headset's, not that of 'render'
+        return isDrawnReport(report) && report.contains("hidden_share"); // what displays hide: of walks alone
     };
     checkReplaceableReport(options.out, isDrawnReport);
     checkReplaceableBeside(options.out, isWalks, std::array<std::string, 1>{"cameras.json"});
     if (options.pictureEvery == 0) return;
-    std::size_t pictures = 0, others = 0;
-    std::error_code ignored;
-    for (std::filesystem::directory_iterator at(options.out, ignored), end; !ignored && at != end;
-         at.increment(ignored)) {
-        const std::string name = at->path().filename().string();
-        const bool isPicture = name.ends_with(".png") || name.ends_with(".tiff");
-        if (isPicture) ++(name.starts_with("frame-") && name.ends_with(".png") ? pictures : others);
-    }
+    const std::vector<std::string> all = picturesIn(options.out);
+    const std::ptrdiff_t pictures = std::ranges::count_if(
+        all, [](const std::string& name) { return name.starts_with("frame-") && name.ends_with(".png"); });
     if (pictures == 0) return;
-    if (others > 0 && reportIn(options.out, isWalks).is_null())
+    if (std::ssize(all) > pictures && reportIn(options.out, isWalks).is_null())
         throw scene::Failure("holds pictures of frames, among others, that no finished walk speaks of and that may be "
                              "replaced",
                              options.out, "name another folder with --out");
@@ -155,7 +151,7 @@ void walkScene(const WalkOptions& options) {
         checkReplaceableFile(options.record, std::array{options.path}, [](const nlohmann::json& of) {
             return of.is_object() && of.contains("space") && of.contains("poses");
         });
-    if (!options.out.empty()) checkReplaceable(options);
+    if (!options.out.empty()) checkWalkFolder(options);
     const scene::Scene scene = scene::openScene(options.scene, scene::DamagedHeads::leftOut);
     for (const std::string& sentence : DamageTeller::lost(scene))
         say(sentence);

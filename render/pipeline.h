@@ -55,7 +55,7 @@ inline constexpr std::uint32_t kMaxWorkgroups = 65535;
 /// code: SPIR-V, which stays where it is. specialisation: the constants 0, 1, ... of the shader. Whoever asks for the
 /// same again is given the same: drivers take a while to compile. A card's has compiled when this returns, lest a frame
 /// wait for it; a driver for the processor, which compiles what it runs when it first runs it, however early it was
-/// asked, does not begin before the pipeline is bound: of those that a renderer might need most runs bind a third.
+/// asked, does not begin before the pipeline is bound: few runs bind all that a renderer might need.
 ComputePipeline makeComputePipeline(const Device& device, std::span<const std::uint32_t> code,
                                     std::span<const VkDescriptorSetLayout> sets, std::uint32_t pushConstantBytes,
                                     std::span<const std::uint32_t> specialisation);
