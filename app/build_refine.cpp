@@ -18,7 +18,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr int kRefineVersion = 10, kTilesVersion = 5, kCoverageVersion = 3;
+constexpr int kRefineVersion = 11, kTilesVersion = 5, kCoverageVersion = 3;
 
 json describe(const scene::ComparisonOptions& o) {
     return {o.sameSurface, o.pixelError};
@@ -47,6 +47,24 @@ scene::Image<scene::Keep> readKept(const std::filesystem::path& file, const scen
     for (std::size_t i = 0; i < kept.size(); ++i)
         kept.pixels()[i] = static_cast<scene::Keep>(bytes.pixels()[i]);
     return kept;
+}
+
+/// Of one image, as the stage keeps them.
+json describe(const scene::SkinFigures& f) {
+    json words = json::array();
+    for (const scene::PartnerWord& word : f.words)
+        words.push_back({word.image, word.agrees, word.sawThrough});
+    return {f.samples, f.triangles, f.planarSkins, f.seenThrough, f.floating, f.guesses, f.confirmed, f.refuted, words};
+}
+
+scene::SkinFigures skinFiguresOf(const json& f, std::size_t images, const std::filesystem::path& file) {
+    scene::SkinFigures figures{f.at(0), f.at(1), f.at(2), f.at(3), f.at(4), f.at(5), f.at(6), f.at(7), {}};
+    for (const json& word : f.at(8)) {
+        figures.words.push_back({word.at(0), word.at(1), word.at(2)});
+        if (figures.words.back().image >= images)
+            throw scene::Failure("is damaged", file, "remove the folder it is in and build again");
+    }
+    return figures;
 }
 
 } // namespace
@@ -95,13 +113,9 @@ SkinStage markSkins(const ImportedImages& imported, const Overlaps& overlaps, co
                                     figuresFile = folder / (name + ".json");
         if (!isThere(figuresFile)) {
             writeFlagsTiff(scene::markSkins(images, i, overlaps.partners[i], o, figures[i]), flagsFile);
-            const scene::SkinFigures& f = figures[i];
-            writeWhole(figuresFile, json{f.samples, f.triangles, f.planarSkins, f.seenThrough, f.floating, f.guesses,
-                                         f.confirmed, f.refuted}
-                                        .dump());
+            writeWhole(figuresFile, describe(figures[i]).dump());
         } else {
-            const json f = readJson(figuresFile);
-            figures[i] = {f.at(0), f.at(1), f.at(2), f.at(3), f.at(4), f.at(5), f.at(6), f.at(7)};
+            figures[i] = skinFiguresOf(readJson(figuresFile), images.size(), figuresFile);
         }
         stage.images[i].flagsFile = flagsFile;
         progress.advance();
@@ -112,6 +126,7 @@ SkinStage markSkins(const ImportedImages& imported, const Overlaps& overlaps, co
         stage.figures.floating += f.floating, stage.figures.guesses += f.guesses;
         stage.figures.confirmed += f.confirmed, stage.figures.refuted += f.refuted;
     }
+    stage.contradictions = scene::findContradictions(figures);
     return stage;
 }
 

@@ -64,6 +64,34 @@ void checkLaid(const scene::HeldOut& heldOut, const PhotographStage& photographs
                              "name others, or take them as the file has them with --register given");
 }
 
+/// The first few of many, in quotation marks.
+std::string someOf(const std::vector<std::string>& names) {
+    constexpr std::size_t kNamed = 5;
+    std::string list;
+    for (std::size_t i = 0; i < std::min(kNamed, names.size()); ++i)
+        list += (i > 0 ? ", '" : "'") + names[i] + "'";
+    return names.size() > kNamed ? list + " and " + std::to_string(names.size() - kNamed) + " more" : list;
+}
+
+/// Photographs that the others contradict, and those of which no other can say anything. How scans stand is
+/// registration's to tell.
+void sayWhichStandAlone(const Overlaps& overlaps, const SkinStage& skins, scene::Capture& capture) {
+    if (!capture.scans.empty() || !capture.polygons.empty() || skins.images.size() < 2) return;
+    std::vector<std::string> contradicted, unseen;
+    for (const scene::Contradiction& contradiction : skins.contradictions)
+        contradicted.push_back(skins.images[contradiction.image].name);
+    for (std::size_t i = 0; i < skins.images.size(); ++i)
+        if (overlaps.partners[i].empty()) unseen.push_back(skins.images[i].name);
+    if (!contradicted.empty())
+        tell(capture, "The others contradict " + someOf(contradicted) + ": surfaces stand where others saw through (" +
+                          std::to_string(std::lround(100 * skins.contradictions.front().share)) +
+                          " % of what both saw of the first). Poses or range are wrong: correct them, or leave these "
+                          "photographs out.");
+    if (!unseen.empty())
+        tell(capture, "No other photograph shows what " + someOf(unseen) +
+                          " shows: nothing tells whether it stands where it is said to.");
+}
+
 /// Images whose poses are right see through few of each other's samples: at most 2.5 % of any capture that we have.
 void sayIfContradictory(const scene::SkinFigures& figures, const BuildOptions& options, scene::Capture& capture) {
     constexpr double kContradictory = 0.1;
@@ -78,7 +106,7 @@ void sayIfContradictory(const scene::SkinFigures& figures, const BuildOptions& o
                                                    "they were registered."));
     else
         tell(capture, "Images contradict each other: " + much +
-                          ", and are not drawn. Poses, or the unit of range, may be wrong.");
+                          ", and are not drawn. Poses, focal lengths or the unit of range may be wrong.");
 }
 
 /// Files of scans that nobody registered often have all of them at the origin.
@@ -136,6 +164,7 @@ void runStages(scene::Capture& capture, const scene::HeldOut& heldOut, const Bui
     for (const std::string& scan : imported.emptyScans)
         tell(capture, "Scan '" + scan + "' holds no point with range: nothing of it is in the scene.");
     sayIfContradictory(skins.figures, options, capture);
+    sayWhichStandAlone(overlaps, skins, capture);
     const KeepStage kept = keepBest(imported, overlaps, skins, options, store);
     const TileStage tiles = fuseAndCut(imported, overlaps, skins, kept, options, store);
     const CoverageStage coverage = coverSpace(skins, options, store);

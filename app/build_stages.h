@@ -10,6 +10,7 @@
 #include "scene/image_store.h"
 #include "scene/import/capture.h"
 #include "scene/overlap.h"
+#include "scene/refine/contradiction.h"
 #include "scene/refine/cover.h"
 #include "scene/scan.h"
 #include "scene/scene.h"
@@ -91,7 +92,8 @@ Overlaps findOverlaps(const ImportedImages& imported, const BuildOptions& option
 /// refine, first part: a file of flags for each image.
 struct SkinStage {
     std::vector<scene::StoredImage> images; ///< as imported, with the new flags
-    scene::SkinFigures figures;
+    scene::SkinFigures figures;             ///< summed over the images
+    std::vector<scene::Contradiction> contradictions;
     std::string key;
 };
 SkinStage markSkins(const ImportedImages& imported, const Overlaps& overlaps, const BuildOptions& options,

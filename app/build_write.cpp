@@ -199,6 +199,9 @@ void writeScene(const std::filesystem::path& output, const scene::Capture& captu
         if (!coverage.file.empty()) copyFile(coverage.file, part / scene::kCoverageFile);
 
         json images = json::array(), heldOutCameras = json::array(), inputs = json::array();
+        json contradictions = json::array();
+        for (const scene::Contradiction& c : skins.contradictions)
+            contradictions.push_back({{"image", imported.images[c.image].name}, {"share", c.share}});
         for (const scene::StoredImage& image : imported.images) {
             images.push_back(describeCamera(image.name, image.camera, image.worldFromCamera));
         }
@@ -224,6 +227,7 @@ void writeScene(const std::filesystem::path& output, const scene::Capture& captu
                       {"registration", reports.registration},
                       {"poses", reports.poses},
                       {"colour_evening", reports.evening},
+                      {"contradictions", contradictions},
                       {"silhouettes", reports.silhouettes},
                       {"photograph_evening", reports.photographEvening},
                       {"photographs", imported.photographs},

@@ -9,6 +9,7 @@ revisit_test(revisit_refine_tests WHOLE LABELS unit TIMEOUT 300 LINKS scene scen
         scene/upright_test.cpp
         scene/project/dropouts_test.cpp
         scene/refine/colour_evening_test.cpp
+        scene/refine/contradiction_test.cpp
         scene/refine/cover_test.cpp
         scene/refine/open_space_test.cpp
         scene/refine/fusion_test.cpp

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <bit>
 #include <cmath>
 
@@ -209,22 +210,27 @@ Image<std::uint8_t> markSkins(ImageStore& images, std::size_t index, const std::
         const ImageStore::Lease partnerLease = images.borrow(partners[i].image);
         const DepthImage& partner = *partnerLease;
         const Reprojection into = reprojectionInto(partner, image);
+        std::atomic<std::int64_t> agrees = 0, saw = 0;
         tbb::parallel_for(tbb::blocked_range<int>(0, image.camera.height), [&](const tbb::blocked_range<int>& rows) {
             SampleComparison samples(image.camera.width);
+            std::int64_t agreesHere = 0, sawHere = 0;
             for (int y = rows.begin(); y < rows.end(); ++y) {
                 compareSamplesOfRow(image, y, partner, into, options.comparison, samples);
                 for (int k = 0; k < samples.count(); ++k) {
                     const Relation relation = samples.relation(k);
                     const int x = static_cast<int>(samples.x(k));
-                    if (relation == Relation::agrees) ++agreed(x, y);
-                    if (relation == Relation::inFront) ++seenThrough(x, y);
+                    const int measured = isGuess(image.flags(x, y)) ? 0 : 1;
+                    if (relation == Relation::agrees) ++agreed(x, y), agreesHere += measured;
+                    if (relation == Relation::inFront) ++seenThrough(x, y), sawHere += measured;
                 }
                 for (const SkinChoice& triangle : candidates[static_cast<std::size_t>(y)])
                     if (!(flags(triangle.x, y) & triangle.skin) &&
                         sawThrough(partner, into, image, triangle.x, y, *triangle.corners, options.comparison))
                         flags(triangle.x, y) = static_cast<std::uint8_t>(flags(triangle.x, y) | triangle.skin);
             }
+            agrees += agreesHere, saw += sawHere;
         });
+        figures.words.push_back({partners[i].image, agrees, saw});
     }
 
     std::int64_t cut = 0;

@@ -29,6 +29,12 @@ struct SkinOptions {
     ComparisonOptions comparison; ///< when two images mean the same surface
 };
 
+/// What a partner says of an image's samples: how many it measured too, and through how many it saw.
+struct PartnerWord {
+    std::uint32_t image = 0; ///< the partner
+    std::int64_t agrees = 0, sawThrough = 0;
+};
+
 struct SkinFigures {
     std::int64_t samples = 0, triangles = 0; ///< surfaces of the image, triangles among them
     std::int64_t planarSkins = 0;            ///< triangles cut because disparity jumps
@@ -36,6 +42,7 @@ struct SkinFigures {
     std::int64_t floating = 0;               ///< samples that more images saw through than agreed with
     std::int64_t guesses = 0;                ///< guesses of range that no other image speaks for or against
     std::int64_t confirmed = 0, refuted = 0; ///< guesses that others measured, resp. saw through
+    std::vector<PartnerWord> words;          ///< of those asked, none that stand where the image does
 };
 
 /// The image's flags with kSkinUpper, kSkinLower set by planarity alone.

@@ -123,6 +123,7 @@ TEST_F(Poses, ThoseThatAreOffAreAdjusted) {
     const double before = errorOf(saidBy("off"), saidBy("true"));
     EXPECT_GT(before, 0.015);
     EXPECT_LT(errorOf(posesOf("found.revisit"), saidBy("true")), 0.1 * before);
+    EXPECT_TRUE(readJson(path("found.revisit") + "/scene.json").at("contradictions").empty()) << built.output;
     const Outcome told = run({kRevisit, "info", path("found.revisit")}, folder());
     EXPECT_THAT(told.output, HasSubstr("poses      of 36 of 36 photographs adjusted, in the mean by "));
 }
@@ -182,6 +183,23 @@ TEST_F(Poses, APhotographOfAnotherPlaceIsNamedAndLeftWhereItWas) {
     const json images = readJson(path("strange.revisit") + "/scene.json").at("poses").at("images");
     for (std::size_t i = 0; i < images.size(); ++i)
         EXPECT_EQ(images.at(i).at("place"), i == 5 ? "strayed" : "adjusted") << i;
+    EXPECT_THAT(built.output, HasSubstr("note: The others contradict '00005': surfaces stand where others saw"));
+    const json contradictions = readJson(path("strange.revisit") + "/scene.json").at("contradictions");
+    ASSERT_EQ(contradictions.size(), 1u) << contradictions;
+    EXPECT_EQ(contradictions.at(0).at("image"), "00005");
+    EXPECT_GT(contradictions.at(0).at("share"), 0.3);
+}
+
+TEST_F(Poses, APhotographOfWhatNoOtherShowsIsNamed) {
+    std::filesystem::copy(path("true"), path("beyond"), std::filesystem::copy_options::recursive);
+    json transforms = readJson(path("beyond/transforms.json"));
+    json& x = transforms.at("frames").at(9).at("transform_matrix").at(0).at(3);
+    x = x.get<double>() + 50;
+    std::ofstream(path("beyond/transforms.json")) << transforms.dump();
+    const Outcome built = layPoses("beyond", "beyond.revisit", {"--register", "given"});
+    ASSERT_EQ(built.status, 0) << built.output;
+    EXPECT_THAT(built.output, HasSubstr("note: No other photograph shows what '00009' shows"));
+    EXPECT_THAT(built.output, Not(HasSubstr("contradict")));
 }
 
 TEST_F(Poses, TooManyForTheMemoryStayWhereTheyAre) {

@@ -1,0 +1,41 @@
+#pragma once
+// Images that the others contradict: their poses, or their range, are wrong. A wrong image claims surfaces where others
+// saw through, or saw through surfaces that others have. Either counts against both images of a pair, and the one with
+// the most against it, in so many pairs, is the wrong one:
+//
+//   pair       a b   a c   b c   a X   b X   c X       a: 12 of 32   b: 14 of 32   c: 13 of 32   X: 33 of 36
+//   against      1     1     1    10    12    11       without X each 2 of 20
+//   of          10    10    10    12    12    12
+//
+// Beyond the four articles.
+
+#include "scene/refine/skins.h"
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+namespace scene {
+
+struct ContradictionOptions {
+    /// Of what an image and its partners say of each other's samples, the share against them from which it is named:
+    /// of any capture of ours that is as it should be no image reaches half of it.
+    double share = 0.08;
+    /// It must also be so many times that of the image in the middle of the rest without it: range that is noisy, or a
+    /// wrong camera, speaks against all alike.
+    double timesMedian = 4;
+    /// Of the image's samples so many must be spoken of, in the mean, by one other: less may be chance.
+    double spokenOf = 0.05;
+};
+
+struct Contradiction {
+    std::size_t image = 0;
+    double share = 0; ///< against it, of all that it and those not named before it say of each other's samples
+};
+
+/// The images that the rest contradicts, the worst first. Of two that have none but each other nobody knows which is
+/// wrong, and neither is named.
+std::vector<Contradiction> findContradictions(std::span<const SkinFigures> images,
+                                              const ContradictionOptions& options = {});
+
+} // namespace scene
