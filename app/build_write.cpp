@@ -87,6 +87,12 @@ json explain(const scene::Capture& capture, const ImportedImages& imported, cons
     return reasons;
 }
 
+/// Null if it is without end, or around nothing.
+json describe(const scene::WorldExtent& box) {
+    if (!box.isFinite()) return nullptr;
+    return {box.least.x, box.least.y, box.least.z, box.most.x, box.most.y, box.most.z};
+}
+
 /// What was ray-traced, and in what light; null for other captures.
 json describePolygons(const PolygonFigures& polygons, const BuildOptions& options) {
     if (polygons.positionsInWorld.empty()) return nullptr;
@@ -185,8 +191,11 @@ void writeScene(const std::filesystem::path& output, const scene::Capture& captu
         writeImages(part / "images", imported, tiles, options);
         writeHeldOut(part / scene::kHeldOutFolder, capture, heldOut, heldOutOfScans);
         std::int64_t tileCount = 0, coarser = 0, quads = 0, points = 0, unmeasured = 0, facets = 0;
+        std::vector<scene::WorldExtent> samplesInWorld(imported.images.size());
         const auto tilesOf = [&](std::size_t i) {
             scene::TileSet set = scene::unpackTiles(readWhole(tiles.blocks[i]), tiles.blocks[i].string());
+            const scene::StoredImage& image = imported.images[i];
+            samplesInWorld[i] = scene::boxAroundSamples(scene::lend(set, image.camera, image.worldFromCamera));
             tileCount += std::ssize(set.tiles), quads += std::ssize(set.quads);
             coarser += std::ssize(set.coarser), facets += std::ssize(set.facets);
             for (const scene::Tile& tile : set.tiles) {
@@ -202,8 +211,10 @@ void writeScene(const std::filesystem::path& output, const scene::Capture& captu
         json contradictions = json::array();
         for (const scene::Contradiction& c : skins.contradictions)
             contradictions.push_back({{"image", imported.images[c.image].name}, {"share", c.share}});
-        for (const scene::StoredImage& image : imported.images) {
+        for (std::size_t i = 0; i < imported.images.size(); ++i) {
+            const scene::StoredImage& image = imported.images[i];
             images.push_back(describeCamera(image.name, image.camera, image.worldFromCamera));
+            images.back()["samples_in_world"] = describe(samplesInWorld[i]);
         }
         for (const std::size_t i : heldOut)
             heldOutCameras.push_back(

@@ -144,8 +144,8 @@ std::vector<Knob> makeKnobs() {
             {0, kMostSamplePixels}, {0, 1, 2, 3}, [](auto& q) -> auto& { return q.farSamplePixels; }),
         yesOrNo(
             "leave_out_hidden",
-            "without a graphics card: tiles behind what is drawn already are left out; pictures are the same but for "
-            "gaps that are filled anyway",
+            "images that unseen space hides, where that is shown, and without a graphics card tiles behind what is "
+            "drawn already are left out; pictures are the same but for gaps that are filled anyway",
             {false}, [](auto& q) -> auto& { return q.leavesOutHidden; }),
         yesOrNo(
             "one_pass",

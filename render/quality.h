@@ -56,9 +56,9 @@ struct Quality {
     /// The same for base samples of images that were taken from far away, which are seen only where nobody stood near.
     double farSamplePixels = 0;
 
-    /// Where the processor draws: tiles behind what is drawn already are left out. Pictures are the same, but for what
-    /// would be seen through gaps of one pixel within a surface, where such are filled anyway. It pays where much is
-    /// hidden.
+    /// Images of which nothing can be seen past the unseen, where that is shown, are left out (scene/sight.h); and
+    /// where the processor draws, tiles behind what is drawn already. Pictures are the same, but for what would be seen
+    /// through gaps of one pixel within a surface, where such are filled anyway. It pays where much is hidden.
     bool leavesOutHidden = true;
 
     /// Points and splats of two eyes: one pass reads each sample once and warps it to both (render/warp/stereo_pass.h).

@@ -89,6 +89,7 @@ FrameStats Renderer::draw(std::span<const scene::View> views, const Quality& qua
     Warped warped{{views.begin(), views.end()}, quality, picture_, scene_.changes()};
     isStanding_ = letsFramesStand_ && warped == lastWarped_;
     lastWarped_ = {}; // until the device has been told to
+    if (!isStanding_) timed(stats.cpu, "sight", kWholeFrame, [&] { findSight(views, quality); });
     tbb::parallel_for(std::size_t{0}, eyes_.size(), [&](std::size_t i) {
         eyes_[i].times.clear();
         if (!isStanding_) choose(eyes_[i], views[i], quality, static_cast<int>(i));
@@ -155,6 +156,7 @@ void Renderer::warmUp(std::span<const scene::View> views, std::span<const Qualit
 void Renderer::useCoverage(const GpuCoverage* coverage) {
     streams_.waitForAll(); // what goes may be in use
     coverage_ = coverage;
+    sight_.forget();
     unseen_ = coverage != nullptr ? makeUnseenPipeline(device_, *coverage, eyeLayout_) : ComputePipeline{};
 }
 
@@ -238,6 +240,14 @@ bool Renderer::unite(const Quality& quality, std::size_t slot, FrameStats& stats
     return canBe;
 }
 
+void Renderer::findSight(std::span<const scene::View> views, const Quality& quality) {
+    if (coverage_ == nullptr || !quality.showUnseen || !quality.leavesOutHidden) return sight_.forget();
+    std::vector<glm::dvec3> eyes;
+    for (const scene::View& view : views)
+        eyes.push_back(view.worldFromEye.translation);
+    sight_.standAt(coverage_->sightGrid(), eyes);
+}
+
 bool Renderer::leavesOutHidden(const Quality& quality) const {
     // A card draws tiles sooner than it finds out that it need not.
     return quality.leavesOutHidden && device_.isProcessor();
@@ -248,7 +258,7 @@ void Renderer::choose(Eye& eye, const scene::View& given, const Quality& quality
     const scene::View view{scene::resized(given.camera, eye.warpWidth, eye.warpHeight), given.worldFromEye};
     timed(eye.times, "cull", index, [&] {
         const double margin = marginOf(quality, scene_.isStreamed());
-        findSourceViews(scene_.index(), view, quality, margin, scene_.shares(), eye.sources);
+        findSourceViews(scene_.index(), view, quality, margin, scene_.shares(), sight_, eye.sources);
         scene_.index().findPiecesOf(eye.sources.seen, eye.visible.pieces);
         const bool mayStandIn = hasGaps(scene_.places());
         const auto planesFor = [&](const TilePiece& piece) -> std::optional<ImagePlanes> {

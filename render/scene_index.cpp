@@ -64,6 +64,7 @@ SceneIndex::SceneIndex(std::span<const scene::TileBlock> blocks, std::size_t chu
             chunks.push_back(indexed);
         }
         surround(firstChunks.size() - 1, firstChunks.back());
+        spheres.back().box = block.samplesInWorld;
     }
     for (std::size_t i = 0; i < blocks.size(); ++i)
         addImage({blocks[i].camera,
@@ -105,7 +106,7 @@ void SceneIndex::surround(std::size_t captured, std::size_t firstChunk) {
     }
     spheres.resize(captured + 1);
     if (isBounded && firstChunk < chunks.size())
-        spheres[captured] = {0.5 * (least + most), 0.5 * glm::length(most - least)};
+        spheres[captured] = {0.5 * (least + most), 0.5 * glm::length(most - least), {}};
 }
 
 void SceneIndex::addImage(const ResidentImage& image, const scene::TileBlock& block, std::uint32_t firstNumber,

@@ -72,6 +72,7 @@ struct IndexedChunk {
 struct ImageSphere {
     glm::dvec3 centre{0};
     double radius = std::numeric_limits<double>::infinity();
+    scene::WorldExtent box{}; ///< closer about it, where somebody found that
 };
 
 class SceneIndex {

@@ -1,5 +1,8 @@
 #include "render/source_views.h"
 
+#include "render/draw_needs.h"
+#include "scene/coverage_ray.h"
+
 #include <glm/geometric.hpp>
 #include <tbb/parallel_for.h>
 
@@ -61,15 +64,30 @@ SourceView levelOf(const SourceView& captured, const ResidentImage& level) {
     return view;
 }
 
+/// Metres for each metre of distance: by so much the ray of a pixel may pass beside a sample that is seen there, since
+/// samples are drawn wider than they are and fill holes beside them; and so far behind what was observed may a surface
+/// stand that counts as before it. What stands in for finer samples may be wider: it is not to be seen where they are
+/// not.
+double besideSight(const scene::View& eye, const Quality& quality) {
+    constexpr double kRoundedPixels = 2;
+    return (marginOf(quality, false) + quality.holes.radius + kRoundedPixels) / std::min(eye.camera.fx, eye.camera.fy) +
+           scene::kSurfaceSlack;
+}
+
 } // namespace
 
 void findSourceViews(const SceneIndex& scene, const scene::View& eye, const Quality& quality, double marginPixels,
-                     std::span<const float> shares, SourceViews& views) {
+                     std::span<const float> shares, const scene::Sight& sight, SourceViews& views) {
     const ViewWedge wedge = wedgeOf(eye, marginPixels);
+    const double beside = besideSight(eye, quality);
+    const auto isHidden = [&](const ImageSphere& sphere) {
+        return sphere.box.isFinite() && !sight.mayMeet(sphere.box.least, sphere.box.most, beside);
+    };
     views.of.resize(scene.images.size());
     views.seen.clear();
     for (std::uint32_t i = 0; i < scene.capturedImages; ++i) {
         if ((!shares.empty() && shares[i] <= 0) || isOutside(wedge, scene.spheres[i])) continue;
+        if (isHidden(scene.spheres[i])) continue;
         views.seen.push_back(i);
         for (std::uint32_t k = 0; k < scene.images[i].coarserCount; ++k)
             views.seen.push_back(scene.images[i].firstCoarser + k);

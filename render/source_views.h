@@ -4,6 +4,7 @@
 
 #include "render/quality.h"
 #include "render/scene_index.h"
+#include "scene/sight.h"
 #include "scene/view.h"
 
 #include <cstdint>
@@ -30,10 +31,10 @@ struct SourceViews {
     std::vector<std::uint32_t> seen;
 };
 
-/// Passes over what lies beside the eye's picture or behind it (as far outside as marginPixels counts as within).
-/// shares: of the captured images' samples, as many as are drawn; or none: all.
+/// Passes over what lies beside the eye's picture or behind it (as far outside as marginPixels counts as within), and
+/// what the eye's sight does not meet. shares: of the captured images' samples, as many as are drawn; or none: all.
 void findSourceViews(const SceneIndex& scene, const scene::View& eye, const Quality& quality, double marginPixels,
-                     std::span<const float> shares, SourceViews& views);
+                     std::span<const float> shares, const scene::Sight& sight, SourceViews& views);
 
 /// To each of these images, captured ones before their levels, as if all could be seen.
 std::vector<SourceView> sourceViewsOf(std::span<const ResidentImage> images, const scene::View& eye,

@@ -19,6 +19,7 @@ struct SceneImage {
     std::string name;
     Camera camera;
     Pose worldFromCamera;
+    WorldExtent samplesInWorld{}; ///< as in its block
 };
 
 /// Owns the mapping that blocks point into; move only.

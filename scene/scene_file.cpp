@@ -199,12 +199,20 @@ SceneImage readImage(const json& from) {
     SceneImage image{from.at("name").get<std::string>(),
                      {from.at("width").get<int>(), from.at("height").get<int>(), from.at("fx").get<double>(),
                       from.at("fy").get<double>(), from.at("cx").get<double>(), from.at("cy").get<double>()},
+                     {},
                      {}};
     glm::dmat4 matrix(0.0);
     for (int i = 0; i < 16; ++i)
         matrix[i % 4][i / 4] = from.at("world_from_camera").at(static_cast<std::size_t>(i)).get<double>();
     if (!isUsable(image.camera) || !poseFromMatrix(matrix, 1e-6, image.worldFromCamera))
         throw Failure("has a camera that is not usable", image.name, kRemedy);
+    const json box = from.value("samples_in_world", json()); // scenes of before do not say
+    if (!box.is_null()) {
+        for (int axis = 0; axis < 3; ++axis) {
+            image.samplesInWorld.least[axis] = box.at(static_cast<std::size_t>(axis)).get<double>();
+            image.samplesInWorld.most[axis] = box.at(static_cast<std::size_t>(axis + 3)).get<double>();
+        }
+    }
     return image;
 }
 
@@ -336,6 +344,7 @@ Scene openScene(const std::filesystem::path& folder, DamagedHeads heads) {
         checkBlock(scene.blocks[i], where);
         scene.verdicts[i] = std::make_unique<std::atomic<std::uint8_t>[]>(entry.chunkCount);
         scene.blocks[i].verdicts = scene.verdicts[i].get();
+        scene.blocks[i].samplesInWorld = scene.images[i].samplesInWorld;
     });
     std::sort(scene.damaged.begin(), scene.damaged.end());
     if (hasCoverage) scene.coverage = readCoverage(folder / kCoverageFile);

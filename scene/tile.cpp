@@ -1,5 +1,7 @@
 #include "scene/tile.h"
 
+#include "scene/pyramid.h"
+
 #include <algorithm>
 #include <cassert>
 #include <cmath>
@@ -334,6 +336,25 @@ TileSet cutIntoTiles(const DepthImage& image, int tileSize) {
     for (const Tier tier : {Tier::base, Tier::closed, Tier::directional, Tier::guess})
         TierCutter(image, squares, distances, tier, tileSize).appendTo(set);
     return set;
+}
+
+WorldExtent boxAroundSamples(const TileBlock& block) {
+    constexpr double kInfinity = std::numeric_limits<double>::infinity();
+    WorldExtent box{glm::dvec3(kInfinity), glm::dvec3(-kInfinity)};
+    for (const std::span<const Tile> tiles : {block.tiles, block.coarser})
+        for (const Tile& tile : tiles) {
+            const Camera camera = cameraAtLevel(block.camera, tile.level);
+            for (const TileVertex& vertex : block.vertices.subspan(tile.firstVertex, tile.vertexCount)) {
+                const VertexPlace place = placeOf(tile, vertex);
+                const double disparity = static_cast<double>(disparityOf(tile, vertex));
+                if (disparity <= 0) return {};
+                const glm::dvec3 ray = rayThrough(camera, tile.x0 + static_cast<double>(place.x) + 0.5,
+                                                  tile.y0 + static_cast<double>(place.y) + 0.5);
+                const glm::dvec3 p = block.worldFromCamera * (ray / disparity);
+                box.least = glm::min(box.least, p), box.most = glm::max(box.most, p);
+            }
+        }
+    return box;
 }
 
 } // namespace scene

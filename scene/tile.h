@@ -9,7 +9,9 @@
 #include "scene/depth_image.h"
 
 #include <atomic>
+#include <cmath>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -140,6 +142,12 @@ struct TileSet {
     std::vector<TileTexel> texels;
 };
 
+/// Metres along the world's axes.
+struct WorldExtent {
+    glm::dvec3 least{-std::numeric_limits<double>::infinity()}, most{std::numeric_limits<double>::infinity()};
+    bool isFinite() const { return std::isfinite(least.x + least.y + least.z + most.x + most.y + most.z); }
+};
+
 /// The tiles of one image, lent, with the camera that makes them points: what a renderer is given.
 struct TileBlock {
     Camera camera;
@@ -155,11 +163,16 @@ struct TileBlock {
     /// not.
     std::atomic<std::uint8_t>* verdicts = nullptr;
     bool isMapped = false; ///< from a file: memory that it takes can be given back, and is read again when needed
+    WorldExtent
+        samplesInWorld{}; ///< about all of them, those of coarser levels, too; without end where nobody found it
 };
+
+/// Reads all that a block holds. With a sample infinitely far away it is without end.
+WorldExtent boxAroundSamples(const TileBlock& block);
 
 inline TileBlock lend(const TileSet& set, const Camera& camera, const Pose& worldFromCamera) {
     return {camera,     worldFromCamera, set.tiles, set.coarser, set.vertices, set.quads,
-            set.facets, set.texels,      {},        nullptr,     false};
+            set.facets, set.texels,      {},        nullptr,     false,        {}};
 }
 
 /// Cuts an image into tiles of tileSize x tileSize samples (1 to kMaxTileSize). A sample is kept if it is drawable and

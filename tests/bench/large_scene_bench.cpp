@@ -1,6 +1,6 @@
-// What a frame costs when the same scene stands there once, ten and a hundred times, as the parts of a large site
-// would: the eye stands in one of them, at a place of the scene's own path, and sees all that its walls do not hide.
-// The scene is the one that ./dev demo builds, or another that REVISIT_BENCH_SCENE names.
+// What a frame costs when the same scene stands there once and many times, as the parts of a large site would: the eye
+// stands in one of them, at a place of the scene's own path, and sees all that its walls do not hide. The scene is the
+// one that ./dev demo builds, or another that REVISIT_BENCH_SCENE names.
 
 #include "render/renderer.h"
 #include "scene/median.h"
@@ -17,6 +17,7 @@
 #include <limits>
 #include <memory>
 #include <string>
+#include <type_traits>
 
 namespace render {
 namespace {
@@ -43,6 +44,59 @@ std::vector<scene::TileBlock> manyTimes(const scene::Scene& scene, int across, i
     return blocks;
 }
 
+/// A scene whose unseen space is shown, and the same many times, a part's cube from the next. The eye's stands amid
+/// the others.
+struct PartedSite {
+    PartedSite(const Device& device, const scene::Scene& part, int across, int deep)
+        : blocks(blocksOf(part, across, deep)), scene(device, blocks, {.budgetBytes = std::size_t{128} << 20}),
+          coverage(device, coverageOf(part, across, deep)), renderer(device, scene, 640, 480, 2, &coverage) {}
+    std::vector<scene::TileBlock> blocks;
+    GpuScene scene;
+    GpuCoverage coverage;
+    Renderer renderer;
+    std::vector<double> milliseconds;
+    static constexpr std::array<std::array<int, 2>, 3> kSizes{{{1, 1}, {2, 2}, {4, 4}}};
+
+  private:
+    static std::vector<std::array<int, 3>> placesOf(const scene::Scene& part, int across, int deep) {
+        const glm::dvec3 up = glm::abs(scene::inverse(part.walkFromWorld).rotation[1]);
+        std::vector<std::array<int, 3>> places;
+        for (int row = 0; row < deep; ++row)
+            for (int column = 0; column < across; ++column) {
+                if (up.x > up.y && up.x > up.z)
+                    places.push_back({0, column, row});
+                else if (up.y > up.z)
+                    places.push_back({column, 0, row});
+                else
+                    places.push_back({column, row, 0});
+            }
+        return places;
+    }
+    static glm::dvec3 offsetOf(const std::vector<std::array<int, 3>>& places, std::size_t i, double edgeMetres) {
+        const std::array<int, 3>&p = places[i], &own = places[places.size() / 2];
+        return edgeMetres * glm::dvec3(p[0] - own[0], p[1] - own[1], p[2] - own[2]);
+    }
+    static std::vector<scene::TileBlock> blocksOf(const scene::Scene& part, int across, int deep) {
+        const std::vector<std::array<int, 3>> places = placesOf(part, across, deep);
+        std::vector<scene::TileBlock> blocks;
+        for (std::size_t i = 0; i < places.size(); ++i)
+            for (scene::TileBlock block : part.blocks) {
+                const glm::dvec3 offset = offsetOf(places, i, part.coverage->edgeMetres);
+                block.worldFromCamera.translation += offset;
+                block.samplesInWorld.least += offset, block.samplesInWorld.most += offset;
+                blocks.push_back(block);
+            }
+        return blocks;
+    }
+    static scene::Coverage coverageOf(const scene::Scene& part, int across, int deep) {
+        const std::vector<std::array<int, 3>> places = placesOf(part, across, deep);
+        const scene::Coverage& one = *part.coverage;
+        if (places.size() == 1) return one;
+        const std::array<int, 3>& own = places[places.size() / 2];
+        return coverageManyTimes(one, places, one.cornerInWorld - one.edgeMetres * glm::dvec3(own[0], own[1], own[2]));
+    }
+};
+
 /// Of which 128 MiB may be on the device.
 struct Site {
     Site(const Device& device, const scene::Scene& part, int across, int deep)
@@ -52,13 +106,17 @@ struct Site {
     GpuScene scene;
     Renderer renderer;
     std::vector<double> milliseconds;
+    static constexpr std::array<std::array<int, 2>, 3> kSizes{{{1, 1}, {5, 2}, {10, 10}}};
 };
 
-void areaOfScene(benchmark::State& state, Warp warp) {
+template <class Site>
+void measureArea(benchmark::State& state, Warp warp) {
     static const Device device;
     const scene::Scene* const given = givenScene(state);
     if (given == nullptr) return;
     const scene::Scene& part = *given;
+    if (std::is_same_v<Site, PartedSite> && !part.coverage)
+        return state.SkipWithError("the scene does not say what was never observed");
     Quality quality;
     quality.warp = warp;
     quality.samplePixels = 1;
@@ -67,9 +125,8 @@ void areaOfScene(benchmark::State& state, Warp warp) {
         scene::eyesOf(cameraOf(640, 480, 1.2), part.images[part.images.size() / 2].worldFromCamera, 0.063);
     const std::array views{left, right};
     std::array<std::unique_ptr<Site>, 3> sites;
-    constexpr std::array<std::array<int, 2>, 3> kSizes{{{1, 1}, {5, 2}, {10, 10}}};
     for (std::size_t i = 0; i < sites.size(); ++i) {
-        sites[i] = std::make_unique<Site>(device, part, kSizes[i][0], kSizes[i][1]);
+        sites[i] = std::make_unique<Site>(device, part, Site::kSizes[i][0], Site::kSizes[i][1]);
         sites[i]->scene.settle(views, quality);
     }
     std::array<FrameStats, 3> stats;
@@ -82,21 +139,31 @@ void areaOfScene(benchmark::State& state, Warp warp) {
             sites[i]->milliseconds.push_back(passed.count());
         }
     state.counters["ms_1x"] = scene::medianOf(sites[0]->milliseconds);
-    state.counters["ratio_10x"] = scene::medianOf(sites[1]->milliseconds) / scene::medianOf(sites[0]->milliseconds);
-    state.counters["ratio_100x"] = scene::medianOf(sites[2]->milliseconds) / scene::medianOf(sites[0]->milliseconds);
+    state.counters["ratio_middle"] = scene::medianOf(sites[1]->milliseconds) / scene::medianOf(sites[0]->milliseconds);
+    state.counters["ratio_large"] = scene::medianOf(sites[2]->milliseconds) / scene::medianOf(sites[0]->milliseconds);
     state.counters["tiles_1x"] = stats[0].eyes[0].tilesDrawn;
-    state.counters["tiles_100x"] = stats[2].eyes[0].tilesDrawn;
+    state.counters["tiles_large"] = stats[2].eyes[0].tilesDrawn;
     state.counters["samples_1x"] = static_cast<double>(stats[0].eyes[0].samplesDrawn);
-    state.counters["samples_100x"] = static_cast<double>(stats[2].eyes[0].samplesDrawn);
+    state.counters["samples_large"] = static_cast<double>(stats[2].eyes[0].samplesDrawn);
     for (const StepTime& time : stats[2].cpu)
         state.counters[std::string("cpu_") + time.step] += time.milliseconds;
     for (const StepTime& time : stats[0].gpu)
-        state.counters[std::string("gpu1_") + time.step] += time.milliseconds;
+        state.counters[std::string("gpu_1x_") + time.step] += time.milliseconds;
     for (const StepTime& time : stats[2].gpu)
-        state.counters[std::string("gpu100_") + time.step] += time.milliseconds;
+        state.counters[std::string("gpu_large_") + time.step] += time.milliseconds;
+}
+/// Ten and a hundred, wall to wall, with nothing known of what nobody saw.
+void areaOfScene(benchmark::State& state, Warp warp) {
+    measureArea<Site>(state, warp);
+}
+/// Four and sixteen, with the unseen shown between them: what it hides need not be drawn.
+void areaOfSceneBehindUnseen(benchmark::State& state, Warp warp) {
+    measureArea<PartedSite>(state, warp);
 }
 BENCHMARK_CAPTURE(areaOfScene, points, Warp::points)->Iterations(25)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(areaOfScene, adaptive, Warp::adaptive)->Iterations(25)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(areaOfSceneBehindUnseen, points, Warp::points)->Iterations(25)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(areaOfSceneBehindUnseen, adaptive, Warp::adaptive)->Iterations(25)->Unit(benchmark::kMillisecond);
 
 } // namespace
 } // namespace render

@@ -369,7 +369,7 @@ std::vector<std::array<std::uint32_t, 3>> chosenFrom(const SceneIndex& index, st
                                                      const scene::View& eye, const Quality& quality, bool isOfAll) {
     SourceViews sources;
     VisibleTiles visible;
-    findSourceViews(index, eye, quality, kMargin, {}, sources);
+    findSourceViews(index, eye, quality, kMargin, {}, {}, sources);
     if (isOfAll) sources.of = sourceViewsOf(index.images, eye, quality);
     if (isOfAll)
         visible.pieces = numbersOf(index.pieces);

@@ -1,5 +1,7 @@
 #include "tests/render/test_scenes.h"
 
+#include "scene/coverage_levels.h"
+
 #include "scene/pyramid.h"
 
 #include <glm/geometric.hpp>
@@ -125,6 +127,8 @@ std::vector<scene::TileBlock> CutScene::blocks() const {
     std::vector<scene::TileBlock> lent;
     for (std::size_t i = 0; i < images.size(); ++i)
         lent.push_back(scene::lend(sets[i], images[i].camera, images[i].worldFromCamera));
+    for (scene::TileBlock& block : lent)
+        block.samplesInWorld = scene::boxAroundSamples(block);
     return lent;
 }
 
@@ -192,6 +196,32 @@ CutScene roomInAllTiers() {
         for (std::uint8_t& flags : images[i].flags.pixels())
             flags = static_cast<std::uint8_t>(flags | kTierFlags[random() % kTierFlags.size()]);
     return cut(std::move(images));
+}
+
+scene::Coverage coverageManyTimes(const scene::Coverage& part, const std::vector<std::array<int, 3>>& places,
+                                  const glm::dvec3& cornerInWorld) {
+    scene::Coverage all{cornerInWorld, scene::kCoverageBranching * part.edgeMetres,
+                        std::vector<scene::CoverageNode>(1)};
+    scene::CoverageNode& root = all.nodes.front();
+    for (const std::array<int, 3>& p : places)
+        root.children |= scene::coverageMask(scene::coverageBit(p[0], p[1], p[2]));
+    root.unseen = ~root.children;
+    root.firstChild = 1;
+    // The part's levels, one after the other, each as often as it stands there.
+    const std::vector<std::size_t> firsts = scene::firstNodesOf(part);
+    for (std::size_t level = 0; level + 1 < firsts.size(); ++level) {
+        const std::size_t count = firsts[level + 1] - firsts[level],
+                          below = level + 2 < firsts.size() ? firsts[level + 2] - firsts[level + 1] : 0,
+                          firstBelow = all.nodes.size() + count * places.size();
+        for (std::size_t copy = 0; copy < places.size(); ++copy)
+            for (std::size_t i = firsts[level]; i < firsts[level + 1]; ++i) {
+                all.nodes.push_back(part.nodes[i]);
+                if (part.nodes[i].children == 0) continue;
+                all.nodes.back().firstChild = static_cast<std::uint32_t>(firstBelow + copy * below +
+                                                                         part.nodes[i].firstChild - firsts[level + 1]);
+            }
+    }
+    return all;
 }
 
 } // namespace render

@@ -2,11 +2,13 @@
 // Depth images whose every sample is known: a furnished room, and a plane. World: y down, as a level camera
 // sees it.
 
+#include "scene/coverage.h"
 #include "scene/depth_image.h"
 #include "scene/polygon_scene.h"
 #include "scene/tile.h"
 #include "scene/view.h"
 
+#include <array>
 #include <vector>
 
 namespace render {
@@ -49,6 +51,10 @@ CutScene roomInAllTiers();
 /// Polygons: a rectangle from a corner along two edges, of one material.
 scene::PolygonScene rectangle(const glm::vec3& corner, const glm::vec3& across, const glm::vec3& down,
                               const glm::vec3& colour = glm::vec3(0.5f));
+
+/// The coverage's cube at these places in a cube that has room for 4 x 4 x 4 of them: nobody saw what is not taken.
+scene::Coverage coverageManyTimes(const scene::Coverage& part, const std::vector<std::array<int, 3>>& places,
+                                  const glm::dvec3& cornerInWorld);
 
 /// Samples of all blocks that the points warp draws.
 std::size_t pointsOf(const CutScene& scene);

@@ -1,0 +1,133 @@
+// Images that unseen space hides are not drawn, and nobody can tell.
+
+#include "render/post/unseen.h"
+#include "render/shaders/shared/z_key.h"
+#include "scene/refine/cover.h"
+#include "tests/render/test_device.h"
+#include "tests/render/test_scenes.h"
+
+#include <algorithm>
+#include <array>
+#include <numbers>
+
+namespace render {
+namespace {
+
+/// Two rooms with nothing between them, and what was observed from the middle of each.
+struct TwoRooms {
+    CutScene room = roomFromWithin(96);
+    std::vector<scene::TileBlock> blocks;
+    scene::Coverage coverage;
+    glm::dvec3 other{0}; ///< the middle of the second, from that of the first
+};
+
+TwoRooms twoRooms() {
+    TwoRooms rooms;
+    scene::ImageStore store(rooms.room.images);
+    scene::CoverFigures figures;
+    const scene::Coverage part = scene::cover(store, {}, figures);
+    rooms.other = glm::dvec3(2 * part.edgeMetres, 0, 0);
+    rooms.coverage =
+        coverageManyTimes(part, {{0, 1, 1}, {2, 1, 1}}, part.cornerInWorld - part.edgeMetres * glm::dvec3(0, 1, 1));
+    rooms.blocks = rooms.room.blocks();
+    for (std::size_t i = 0; i < rooms.room.images.size(); ++i) {
+        scene::TileBlock block = rooms.blocks[i];
+        block.worldFromCamera.translation += rooms.other;
+        block.samplesInWorld.least += rooms.other, block.samplesInWorld.most += rooms.other;
+        rooms.blocks.push_back(block);
+    }
+    return rooms;
+}
+
+class SightOfRooms : public RenderTest {
+  protected:
+    struct Drawn {
+        std::vector<EyeImage> images;
+        std::uint32_t tiles = 0; ///< of both eyes
+    };
+    Drawn draw(Renderer& renderer, std::span<const scene::View> eyes, const Quality& quality) {
+        renderer.draw(eyes, quality);
+        const FrameStats stats = renderer.finish();
+        return {renderer.readBack(), stats.eyes[0].tilesDrawn + stats.eyes[1].tilesDrawn};
+    }
+    static void expectSame(const std::vector<EyeImage>& a, const std::vector<EyeImage>& b, const std::string& where) {
+        EXPECT_EQ(differing(a, b, where), 0) << where;
+    }
+    /// Pixels that are not the same. A crack within a surface through which hidden samples were drawn is one that
+    /// nobody saw through; if they are left out, it is filled: no pixel may be another in another way.
+    static int differing(const std::vector<EyeImage>& kept, const std::vector<EyeImage>& all,
+                         const std::string& where) {
+        int count = 0;
+        for (std::size_t eye = 0; eye < kept.size(); ++eye)
+            for (int y = 0; y < kept[eye].colour.height(); ++y)
+                for (int x = 0; x < kept[eye].colour.width(); ++x) {
+                    const EyeImage &a = kept[eye], &b = all[eye];
+                    if (a.colour(x, y) == b.colour(x, y) && a.depthMetres(x, y) == b.depthMetres(x, y) &&
+                        a.pixelClass(x, y) == b.pixelClass(x, y))
+                        continue;
+                    ++count;
+                    EXPECT_EQ(a.pixelClass(x, y), kClassFilled) << where << ", eye " << eye << " " << x << " " << y;
+                    EXPECT_EQ(b.pixelClass(x, y), kClassUnseen) << where << ", eye " << eye << " " << x << " " << y;
+                }
+        return count;
+    }
+    TwoRooms rooms_ = twoRooms();
+    GpuScene scene_{testDevice(), rooms_.blocks};
+    GpuCoverage coverage_{testDevice(), rooms_.coverage};
+    Renderer renderer_{testDevice(), scene_, 160, 120, 2, &coverage_};
+};
+
+TEST_F(SightOfRooms, WhatUnseenSpaceHidesIsLeftOutAndPicturesStayTheSame) {
+    std::uint32_t kept = 0, all = 0;
+    int filled = 0, unfilled = 0;
+    for (const Warp warp : {Warp::points, Warp::splats, Warp::mesh, Warp::adaptive})
+        for (const int radius : {0, 4}) {
+            Quality quality, whole;
+            quality.warp = warp, quality.holes.radius = radius;
+            whole = quality;
+            whole.leavesOutHidden = false;
+            // In the first room, before its walls, in the second, and where nobody ever looked.
+            const std::array<glm::dvec3, 5> places{glm::dvec3(0.2, 0.1, -0.1),
+                                                   {3.6, 0.5, 2},
+                                                   {-3.7, -0.9, -2.5},
+                                                   rooms_.other + glm::dvec3(-1, 0, 0.4),
+                                                   0.5 * rooms_.other};
+            for (const glm::dvec3& place : places)
+                for (int turn = 0; turn < 4; ++turn) {
+                    const auto [left, right] = scene::eyesOf(
+                        cameraOf(160, 120, 1.4), poseAt(place, 0.3 + turn * std::numbers::pi / 2, 0.1), 0.063);
+                    const std::array eyes{left, right};
+                    const Drawn drawn = draw(renderer_, eyes, quality), everything = draw(renderer_, eyes, whole);
+                    const std::string where = std::to_string(static_cast<int>(warp)) + ", radius " +
+                                              std::to_string(radius) + ", at " + std::to_string(place.x) + ", turned " +
+                                              std::to_string(turn);
+                    const int others = differing(drawn.images, everything.images, where);
+                    (radius > 0 ? filled : unfilled) += others;
+                    EXPECT_LE(drawn.tiles, everything.tiles);
+                    kept += drawn.tiles, all += everything.tiles;
+                }
+        }
+    EXPECT_EQ(unfilled, 0) << "where nothing is filled pictures are the same to the byte";
+    EXPECT_LE(filled, 4 * 5 * 4) << "of three million pixels";
+    EXPECT_LT(kept, 0.85 * all) << "nothing was hidden: this tests nothing";
+}
+
+TEST_F(SightOfRooms, WhereTheUnseenIsHiddenWhatStandsBehindItIsDrawn) {
+    const auto [left, right] =
+        scene::eyesOf(cameraOf(160, 120, 1.0), poseAt(glm::dvec3(0), std::numbers::pi / 2, 0), 0.063);
+    const std::array eyes{left, right};
+    Quality shown, hidden, hiddenWhole;
+    hidden.showUnseen = hiddenWhole.showUnseen = false;
+    hiddenWhole.leavesOutHidden = false;
+    const Drawn first = draw(renderer_, eyes, shown), second = draw(renderer_, eyes, hidden);
+    EXPECT_LT(first.tiles, second.tiles) << "the other room stands behind the wall";
+    expectSame(second.images, draw(renderer_, eyes, hiddenWhole).images, "hidden");
+    expectSame(first.images, draw(renderer_, eyes, shown).images, "shown again");
+    renderer_.useCoverage(nullptr);
+    EXPECT_EQ(draw(renderer_, eyes, shown).tiles, second.tiles) << "of what nothing is known, nothing is left out";
+    renderer_.useCoverage(&coverage_);
+    expectSame(first.images, draw(renderer_, eyes, shown).images, "known again");
+}
+
+} // namespace
+} // namespace render

@@ -1,0 +1,204 @@
+#include "scene/sight.h"
+
+#include "scene/coverage_ray.h"
+#include "tests/repetitions.h"
+#include "tests/scene/random_coverage.h"
+
+#include <array>
+#include <cmath>
+#include <random>
+
+#include <glm/geometric.hpp>
+#include <gtest/gtest.h>
+
+namespace scene {
+namespace {
+
+class Places {
+  public:
+    explicit Places(std::uint32_t seed) : random_(seed) {}
+    double within(double low, double high) { return std::uniform_real_distribution<double>(low, high)(random_); }
+    glm::dvec3 about(const Coverage& coverage, double beyond) {
+        const auto along = [&] { return within(-beyond, coverage.edgeMetres + beyond); };
+        const double x = along(), y = along(), z = along();
+        return coverage.cornerInWorld + glm::dvec3(x, y, z);
+    }
+
+  private:
+    std::mt19937 random_;
+};
+
+/// A cube of 4 m: of one of its four floors cells of a metre are seen empty here and there, the rest is unseen.
+Coverage floorPlan(const std::array<const char*, 4>& rows, int floor = 0) {
+    Coverage coverage{glm::dvec3(10, -20, 3), 4, std::vector<CoverageNode>(1)};
+    coverage.nodes[0].unseen = ~std::uint64_t{0};
+    for (int y = 0; y < 4; ++y)
+        for (int x = 0; x < 4; ++x)
+            if (rows[static_cast<std::size_t>(y)][x] == '.')
+                coverage.nodes[0].unseen &= ~coverageMask(coverageBit(x, y, floor));
+    return coverage;
+}
+glm::dvec3 inPlan(double x, double y, int floor = 0) {
+    return glm::dvec3(10, -20, 3) + glm::dvec3(x, y, floor + 0.5);
+}
+bool mayMeetAt(const Sight& sight, const glm::dvec3& p) {
+    return sight.mayMeet(p, p, 0);
+}
+
+TEST(Sight, NothingThatARayMeetsIsMissed) {
+    int met = 0, missed = 0;
+    for (std::uint32_t seed = 1; seed <= static_cast<std::uint32_t>(tests::repetitions(24)); ++seed) {
+        const Coverage coverage = randomCoverage(seed, 1 + static_cast<int>(seed % 5), seed % 2 == 0 ? 0.3 : 0.6);
+        const SightGrid grid(coverage);
+        Places places(seed);
+        for (int stand = 0; stand < 10; ++stand) {
+            const glm::dvec3 eye = places.about(coverage, 0);
+            if (observedAt(coverage, eye) == Observed::unseen) continue;
+            Sight sight;
+            sight.standAt(grid, std::array{eye});
+            for (int i = 0; i < 2000; ++i) {
+                const glm::dvec3 p = places.about(coverage, 0.5), way = p - eye;
+                const double far = glm::length(way);
+                if (firstUnseen(coverage, eye, way / far, far)) continue;
+                mayMeetAt(sight, p) ? ++met : ++missed;
+            }
+        }
+    }
+    EXPECT_EQ(missed, 0);
+    EXPECT_GT(met, 100);
+}
+
+TEST(Sight, HoldsWhileTheEyeMovesALittle) {
+    const Coverage coverage = randomCoverage(3, 2, 0.3);
+    const SightGrid grid(coverage);
+    Places places(7);
+    Sight sight;
+    int found = 0, held = 0, met = 0;
+    glm::dvec3 eye = places.about(coverage, 0);
+    for (int i = 0; i < 400; ++i) {
+        const glm::dvec3 step(places.within(-1, 1), places.within(-1, 1), places.within(-1, 1));
+        eye = glm::clamp(eye + 0.5 * grid.cellMetres() * step, coverage.cornerInWorld + 0.01,
+                         coverage.cornerInWorld + coverage.edgeMetres - 0.01);
+        if (!grid.isOpen({static_cast<int>((eye.x - coverage.cornerInWorld.x) / grid.cellMetres()),
+                          static_cast<int>((eye.y - coverage.cornerInWorld.y) / grid.cellMetres()),
+                          static_cast<int>((eye.z - coverage.cornerInWorld.z) / grid.cellMetres())}))
+            continue;
+        sight.standAt(grid, std::array{eye}) ? ++found : ++held;
+        for (int k = 0; k < 50; ++k) {
+            const glm::dvec3 p = places.about(coverage, 0), way = p - eye;
+            const double far = glm::length(way);
+            if (observedAt(coverage, eye) == Observed::unseen || firstUnseen(coverage, eye, way / far, far)) continue;
+            ASSERT_TRUE(mayMeetAt(sight, p)) << i;
+            ++met;
+        }
+    }
+    EXPECT_GT(held, found) << "found anew " << found << " times";
+    EXPECT_GT(found, 0);
+    EXPECT_GT(met, 100);
+}
+
+TEST(Sight, RoomsBehindWallsAreNotMet) {
+    // A door in the middle of the wall; the room behind goes on round a corner, which no ray takes.
+    const SightGrid grid(floorPlan({"..#.", //
+                                    "....", //
+                                    "..##", //
+                                    "###."}));
+    Sight sight;
+    EXPECT_TRUE(sight.standAt(grid, std::array{inPlan(0.5, 1.5)}));
+    EXPECT_TRUE(mayMeetAt(sight, inPlan(0.5, 0.5)));
+    EXPECT_TRUE(mayMeetAt(sight, inPlan(1.5, 2.9))) << "in the same room";
+    EXPECT_TRUE(mayMeetAt(sight, inPlan(3.5, 1.5))) << "through the door";
+    EXPECT_TRUE(mayMeetAt(sight, inPlan(3.9, 0.1))) << "beside the door, and beyond it: at a slant";
+    EXPECT_FALSE(mayMeetAt(sight, inPlan(3.5, 3.5))) << "a room without a door";
+    EXPECT_FALSE(mayMeetAt(sight, inPlan(2.5, 0.5))) << "within the wall";
+    // From below the door the room above it is round the corner.
+    EXPECT_TRUE(sight.standAt(grid, std::array{inPlan(3.5, 0.5)}));
+    EXPECT_TRUE(mayMeetAt(sight, inPlan(0.5, 2.5)));
+    EXPECT_FALSE(mayMeetAt(sight, inPlan(0.5, 0.2))) << "the way to it would turn back";
+}
+
+TEST(Sight, TwoEyesMeetWhatEitherDoes) {
+    const SightGrid grid(floorPlan({".##.", //
+                                    ".##.", //
+                                    "####", //
+                                    "###."}));
+    Sight sight;
+    EXPECT_TRUE(sight.standAt(grid, std::array{inPlan(0.5, 0.5), inPlan(3.5, 0.5)}));
+    EXPECT_TRUE(mayMeetAt(sight, inPlan(0.5, 1.5)));
+    EXPECT_TRUE(mayMeetAt(sight, inPlan(3.5, 1.5)));
+    EXPECT_FALSE(mayMeetAt(sight, inPlan(3.5, 3.5)));
+}
+
+TEST(Sight, WhoStandsWhereNobodyLookedMayMeetAnything) {
+    const Coverage coverage = floorPlan({"..#.", "..#.", "..#.", "..#."});
+    const SightGrid grid(coverage);
+    Sight sight;
+    EXPECT_TRUE(mayMeetAt(sight, inPlan(3.5, 0.5))) << "nothing is known yet";
+    sight.standAt(grid, std::array{inPlan(0.5, 0.5)});
+    EXPECT_FALSE(mayMeetAt(sight, inPlan(3.5, 0.5)));
+    EXPECT_FALSE(sight.standAt(grid, std::array{inPlan(2.5, 0.5)}));
+    EXPECT_TRUE(mayMeetAt(sight, inPlan(3.5, 0.5)));
+    EXPECT_TRUE(sight.standAt(grid, std::array{inPlan(0.5, 0.5)}));
+    EXPECT_FALSE(mayMeetAt(sight, inPlan(3.5, 0.5)));
+    for (const double far : {100.0, 1e12}) {
+        EXPECT_FALSE(sight.standAt(grid, std::array{inPlan(-far, 0.5)}));
+        EXPECT_TRUE(mayMeetAt(sight, inPlan(3.5, 0.5)));
+    }
+}
+
+TEST(Sight, OutsideOfTheCubeIsMetWhereAWayLeavesIt) {
+    // The floor itself is the cube's rim.
+    const SightGrid rim(floorPlan({"...#", "...#", "...#", "####"}));
+    Sight sight;
+    sight.standAt(rim, std::array{inPlan(0.5, 0.5)});
+    EXPECT_TRUE(mayMeetAt(sight, inPlan(-3, 0.5)));
+    const SightGrid within(floorPlan({"####", "#..#", "#..#", "####"}, 1));
+    sight.forget();
+    sight.standAt(within, std::array{inPlan(1.5, 1.5, 1)});
+    EXPECT_FALSE(mayMeetAt(sight, inPlan(-3, 0.5)));
+    EXPECT_TRUE(mayMeetAt(sight, inPlan(1.1, 2.9, 1)));
+}
+
+TEST(Sight, ABoxIsMetIfAnythingInItIsOrNearEnoughBesideIt) {
+    const Coverage coverage = randomCoverage(12, 3, 0.6);
+    const SightGrid grid(coverage);
+    Places places(5);
+    Sight sight;
+    glm::dvec3 eye = places.about(coverage, 0);
+    while (observedAt(coverage, eye) == Observed::unseen)
+        eye = places.about(coverage, 0);
+    sight.standAt(grid, std::array{eye});
+    const auto middleOf = [&](int x, int y, int z) {
+        return coverage.cornerInWorld + grid.cellMetres() * (glm::dvec3(x, y, z) + 0.5);
+    };
+    int isMet = 0, isNot = 0;
+    for (int i = 0; i < 3000; ++i) {
+        std::array<int, 3> low{}, size{};
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            size[axis] = static_cast<int>(places.within(0, 24));
+            low[axis] = static_cast<int>(places.within(0, kSightAcross - size[axis]));
+        }
+        const bool box = sight.mayMeet(middleOf(low[0], low[1], low[2]),
+                                       middleOf(low[0] + size[0], low[1] + size[1], low[2] + size[2]), 0);
+        bool any = false;
+        for (int z = low[2]; z <= low[2] + size[2] && !any; ++z)
+            for (int y = low[1]; y <= low[1] + size[1] && !any; ++y)
+                for (int x = low[0]; x <= low[0] + size[0] && !any; ++x)
+                    any = mayMeetAt(sight, middleOf(x, y, z));
+        ASSERT_EQ(box, any) << i;
+        (box ? isMet : isNot) += 1;
+    }
+    EXPECT_GT(isMet, 30);
+    EXPECT_GT(isNot, 30);
+
+    const SightGrid rooms(floorPlan({"####", "#.##", "#.##", "####"}, 1));
+    sight.forget();
+    sight.standAt(rooms, std::array{inPlan(1.5, 1.5, 1)});
+    // Half a metre behind what is met, and 1 to 1.6 from the eye.
+    const glm::dvec3 least = inPlan(2.5, 1, 1), most = inPlan(2.6, 2.5, 1);
+    EXPECT_FALSE(sight.mayMeet(least, most, 0.25));
+    EXPECT_TRUE(sight.mayMeet(least, most, 0.55));
+}
+
+} // namespace
+} // namespace scene
