@@ -73,8 +73,7 @@ std::string someOf(const std::vector<std::string>& names) {
     return names.size() > kNamed ? list + " and " + std::to_string(names.size() - kNamed) + " more" : list;
 }
 
-/// Photographs that the others contradict, and those of which no other can say anything. How scans stand is
-/// registration's to tell.
+/// Photographs that the others contradict, and those of which no other can say anything.
 void sayWhichStandAlone(const Overlaps& overlaps, const SkinStage& skins, scene::Capture& capture) {
     if (!capture.scans.empty() || !capture.polygons.empty() || skins.images.size() < 2) return;
     std::vector<std::string> contradicted, unseen;
@@ -82,14 +81,20 @@ void sayWhichStandAlone(const Overlaps& overlaps, const SkinStage& skins, scene:
         contradicted.push_back(skins.images[contradiction.image].name);
     for (std::size_t i = 0; i < skins.images.size(); ++i)
         if (overlaps.partners[i].empty()) unseen.push_back(skins.images[i].name);
+    const auto pick = [](const std::vector<std::string>& names, const char* one, const char* several) {
+        return names.size() == 1 ? std::string(one) : several;
+    };
     if (!contradicted.empty())
-        tell(capture, "The others contradict " + someOf(contradicted) + ": surfaces stand where others saw through (" +
+        tell(capture, "The others contradict " + someOf(contradicted) +
+                          ": of what is said of each other's samples up to " +
                           std::to_string(std::lround(100 * skins.contradictions.front().share)) +
-                          " % of what both saw of the first). Poses or range are wrong: correct them, or leave these "
-                          "photographs out.");
+                          " % is that somebody saw through them. " +
+                          pick(contradicted, "Its pose or its range is wrong: correct it, or leave the photograph out.",
+                               "Their poses or ranges are wrong: correct them, or leave these photographs out."));
     if (!unseen.empty())
-        tell(capture, "No other photograph shows what " + someOf(unseen) +
-                          " shows: nothing tells whether it stands where it is said to.");
+        tell(capture, "No other photograph of the scene shows, even roughly, what " + someOf(unseen) +
+                          pick(unseen, " shows: nothing tells whether it stands where it is said to.",
+                               " show: nothing tells whether they stand where they are said to."));
 }
 
 /// Images whose poses are right see through few of each other's samples: at most 2.5 % of any capture that we have.
@@ -159,7 +164,9 @@ void runStages(scene::Capture& capture, const scene::HeldOut& heldOut, const Bui
     // Scans and polygons have their range and their colours from one place.
     if (capture.polygons.empty() && capture.scans.empty())
         reports.silhouettes = settleSilhouettes(imported, overlaps, options, store);
-    const SkinStage skins = markSkins(imported, overlaps, options, store);
+    SkinStage skins = markSkins(imported, overlaps, options, store);
+    // How scans stand is registration's to tell, and polygons stand where they stand.
+    if (!capture.scans.empty() || !capture.polygons.empty()) skins.contradictions.clear();
     if (skins.figures.samples == 0) throw nothingToBuild(options);
     for (const std::string& scan : imported.emptyScans)
         tell(capture, "Scan '" + scan + "' holds no point with range: nothing of it is in the scene.");

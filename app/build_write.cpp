@@ -195,7 +195,8 @@ void writeScene(const std::filesystem::path& output, const scene::Capture& captu
         const auto tilesOf = [&](std::size_t i) {
             scene::TileSet set = scene::unpackTiles(readWhole(tiles.blocks[i]), tiles.blocks[i].string());
             const scene::StoredImage& image = imported.images[i];
-            samplesInWorld[i] = scene::boxAroundSamples(scene::lend(set, image.camera, image.worldFromCamera));
+            samplesInWorld[i] = scene::boxAroundSamples(scene::lend(set, image.camera, image.worldFromCamera),
+                                                        static_cast<double>(options.pyramid.facetTolerance));
             tileCount += std::ssize(set.tiles), quads += std::ssize(set.quads);
             coarser += std::ssize(set.coarser), facets += std::ssize(set.facets);
             for (const scene::Tile& tile : set.tiles) {

@@ -56,9 +56,11 @@ struct Quality {
     /// The same for base samples of images that were taken from far away, which are seen only where nobody stood near.
     double farSamplePixels = 0;
 
-    /// Images of which nothing can be seen past the unseen, where that is shown, are left out (scene/sight.h); and
-    /// where the processor draws, tiles behind what is drawn already. Pictures are the same, but for what would be seen
-    /// through gaps of one pixel within a surface, where such are filled anyway. It pays where much is hidden.
+    /// Images of which nothing can be seen past the unseen, where that is shown, are left out (scene/open_ways.h); and
+    /// where the processor draws, tiles behind what is drawn already. Pictures are the same, but for what hidden
+    /// samples would add: through gaps of a pixel within a surface, where such are filled anyway, and to the colours of
+    /// a surface that they stand a little behind, where samples are blended or interpolated. It pays where much is
+    /// hidden.
     bool leavesOutHidden = true;
 
     /// Points and splats of two eyes: one pass reads each sample once and warps it to both (render/warp/stereo_pass.h).

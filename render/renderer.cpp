@@ -89,7 +89,7 @@ FrameStats Renderer::draw(std::span<const scene::View> views, const Quality& qua
     Warped warped{{views.begin(), views.end()}, quality, picture_, scene_.changes()};
     isStanding_ = letsFramesStand_ && warped == lastWarped_;
     lastWarped_ = {}; // until the device has been told to
-    if (!isStanding_) timed(stats.cpu, "sight", kWholeFrame, [&] { findSight(views, quality); });
+    if (!isStanding_) timed(stats.cpu, "ways", kWholeFrame, [&] { findWays(views, quality); });
     tbb::parallel_for(std::size_t{0}, eyes_.size(), [&](std::size_t i) {
         eyes_[i].times.clear();
         if (!isStanding_) choose(eyes_[i], views[i], quality, static_cast<int>(i));
@@ -156,7 +156,10 @@ void Renderer::warmUp(std::span<const scene::View> views, std::span<const Qualit
 void Renderer::useCoverage(const GpuCoverage* coverage) {
     streams_.waitForAll(); // what goes may be in use
     coverage_ = coverage;
-    sight_.forget();
+    // What it hid is not in the z-buffers.
+    if (std::any_of(eyes_.begin(), eyes_.end(), [](const Eye& eye) { return eye.sources.behindUnseen > 0; }))
+        lastWarped_ = {};
+    ways_.forget();
     unseen_ = coverage != nullptr ? makeUnseenPipeline(device_, *coverage, eyeLayout_) : ComputePipeline{};
 }
 
@@ -240,12 +243,12 @@ bool Renderer::unite(const Quality& quality, std::size_t slot, FrameStats& stats
     return canBe;
 }
 
-void Renderer::findSight(std::span<const scene::View> views, const Quality& quality) {
-    if (coverage_ == nullptr || !quality.showUnseen || !quality.leavesOutHidden) return sight_.forget();
+void Renderer::findWays(std::span<const scene::View> views, const Quality& quality) {
+    if (coverage_ == nullptr || !quality.showUnseen || !quality.leavesOutHidden) return ways_.forget();
     std::vector<glm::dvec3> eyes;
     for (const scene::View& view : views)
         eyes.push_back(view.worldFromEye.translation);
-    sight_.standAt(coverage_->sightGrid(), eyes);
+    ways_.standAt(coverage_->openGrid(), eyes);
 }
 
 bool Renderer::leavesOutHidden(const Quality& quality) const {
@@ -258,7 +261,7 @@ void Renderer::choose(Eye& eye, const scene::View& given, const Quality& quality
     const scene::View view{scene::resized(given.camera, eye.warpWidth, eye.warpHeight), given.worldFromEye};
     timed(eye.times, "cull", index, [&] {
         const double margin = marginOf(quality, scene_.isStreamed());
-        findSourceViews(scene_.index(), view, quality, margin, scene_.shares(), sight_, eye.sources);
+        findSourceViews(scene_.index(), view, quality, margin, scene_.shares(), ways_, eye.sources);
         scene_.index().findPiecesOf(eye.sources.seen, eye.visible.pieces);
         const bool mayStandIn = hasGaps(scene_.places());
         const auto planesFor = [&](const TilePiece& piece) -> std::optional<ImagePlanes> {

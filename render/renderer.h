@@ -41,7 +41,7 @@ struct EyeCounts {
 
 struct FrameStats {
     std::uint64_t frame = 0;
-    std::vector<StepTime> cpu; ///< wait, cull, choose, unite, list, overlay, record, submit
+    std::vector<StepTime> cpu; ///< wait, ways, cull, choose, unite, list, overlay, record, submit
     /// clear, warp, polygons, blend, resolve, unseen, rescale, mark, overlay, output; of the frame gpuFrame, empty
     /// while none has finished
     std::vector<StepTime> gpu;
@@ -143,7 +143,7 @@ class Renderer {
     void makeTargets(Eye& eye, const Quality& quality, int roomWidth, int roomHeight);
     void recordPolygonsInto(VkCommandBuffer commands, Eye& eye, const scene::View& view, VkDescriptorSet eyeSet);
     bool leavesOutHidden(const Quality& quality) const;
-    void findSight(std::span<const scene::View> views, const Quality& quality);
+    void findWays(std::span<const scene::View> views, const Quality& quality);
     void choose(Eye& eye, const scene::View& view, const Quality& quality, int index);
     /// For what was chosen; waits for the device where there is not enough.
     void makeRoom(const Quality& quality);
@@ -176,7 +176,7 @@ class Renderer {
     ComputePipeline mark_;
     OverlayPass overlay_;
     const GpuCoverage* coverage_;
-    scene::Sight sight_;     ///< of all eyes
+    scene::OpenWays ways_;   ///< of all eyes
     ComputePipeline unseen_; ///< where there is coverage
     const GpuPolygons* polygons_;
     std::optional<PolygonPass> polygonPass_;

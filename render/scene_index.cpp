@@ -48,6 +48,15 @@ ResidentTile residentOf(const scene::Tile& tile, const scene::TileChunk& chunk) 
     return resident;
 }
 
+/// What tiles' heads say of where samples are is coarse, and checked; a box beyond it is of an image that was moved
+/// since.
+bool isWithin(const scene::WorldExtent& box, const ImageSphere& sphere) {
+    constexpr double kSlack = 1.02; // facets
+    const double radius = kSlack * sphere.radius;
+    const glm::dvec3 low = sphere.centre - radius, high = sphere.centre + radius;
+    return box.isFinite() && glm::min(low, box.least) == low && glm::max(high, box.most) == high;
+}
+
 } // namespace
 
 SceneIndex::SceneIndex(std::span<const scene::TileBlock> blocks, std::size_t chunkBytes)
@@ -64,7 +73,7 @@ SceneIndex::SceneIndex(std::span<const scene::TileBlock> blocks, std::size_t chu
             chunks.push_back(indexed);
         }
         surround(firstChunks.size() - 1, firstChunks.back());
-        spheres.back().box = block.samplesInWorld;
+        if (isWithin(block.samplesInWorld, spheres.back())) spheres.back().box = block.samplesInWorld;
     }
     for (std::size_t i = 0; i < blocks.size(); ++i)
         addImage({blocks[i].camera,

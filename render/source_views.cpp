@@ -68,7 +68,7 @@ SourceView levelOf(const SourceView& captured, const ResidentImage& level) {
 /// samples are drawn wider than they are and fill holes beside them; and so far behind what was observed may a surface
 /// stand that counts as before it. What stands in for finer samples may be wider: it is not to be seen where they are
 /// not.
-double besideSight(const scene::View& eye, const Quality& quality) {
+double besideRay(const scene::View& eye, const Quality& quality) {
     constexpr double kRoundedPixels = 2;
     return (marginOf(quality, false) + quality.holes.radius + kRoundedPixels) / std::min(eye.camera.fx, eye.camera.fy) +
            scene::kSurfaceSlack;
@@ -77,17 +77,21 @@ double besideSight(const scene::View& eye, const Quality& quality) {
 } // namespace
 
 void findSourceViews(const SceneIndex& scene, const scene::View& eye, const Quality& quality, double marginPixels,
-                     std::span<const float> shares, const scene::Sight& sight, SourceViews& views) {
+                     std::span<const float> shares, const scene::OpenWays& ways, SourceViews& views) {
     const ViewWedge wedge = wedgeOf(eye, marginPixels);
-    const double beside = besideSight(eye, quality);
+    const double beside = besideRay(eye, quality);
     const auto isHidden = [&](const ImageSphere& sphere) {
-        return sphere.box.isFinite() && !sight.mayMeet(sphere.box.least, sphere.box.most, beside);
+        return sphere.box.isFinite() && !ways.mayMeet(sphere.box.least, sphere.box.most, beside);
     };
     views.of.resize(scene.images.size());
     views.seen.clear();
+    views.behindUnseen = 0;
     for (std::uint32_t i = 0; i < scene.capturedImages; ++i) {
         if ((!shares.empty() && shares[i] <= 0) || isOutside(wedge, scene.spheres[i])) continue;
-        if (isHidden(scene.spheres[i])) continue;
+        if (isHidden(scene.spheres[i])) {
+            ++views.behindUnseen;
+            continue;
+        }
         views.seen.push_back(i);
         for (std::uint32_t k = 0; k < scene.images[i].coarserCount; ++k)
             views.seen.push_back(scene.images[i].firstCoarser + k);

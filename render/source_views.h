@@ -1,10 +1,11 @@
 #pragma once
 // How an eye stands to the images of a scene, and of which of them it may see anything: of the others a frame asks
-// nothing but whether the sphere about a captured image is in the eye's view.
+// nothing but whether the sphere about a captured image is in the eye's view, and whether open ways lead to the box
+// about its samples.
 
 #include "render/quality.h"
 #include "render/scene_index.h"
-#include "scene/sight.h"
+#include "scene/open_ways.h"
 #include "scene/view.h"
 
 #include <cstdint>
@@ -29,12 +30,13 @@ struct SourceViews {
     std::vector<SourceView> of; ///< by image; of those that are not seen it is from some other frame
     /// The images of which anything may be seen, each captured one before its coarser levels.
     std::vector<std::uint32_t> seen;
+    std::uint32_t behindUnseen = 0; ///< captured images in view that unseen space hides
 };
 
 /// Passes over what lies beside the eye's picture or behind it (as far outside as marginPixels counts as within), and
-/// what the eye's sight does not meet. shares: of the captured images' samples, as many as are drawn; or none: all.
+/// what the eye's ways does not meet. shares: of the captured images' samples, as many as are drawn; or none: all.
 void findSourceViews(const SceneIndex& scene, const scene::View& eye, const Quality& quality, double marginPixels,
-                     std::span<const float> shares, const scene::Sight& sight, SourceViews& views);
+                     std::span<const float> shares, const scene::OpenWays& ways, SourceViews& views);
 
 /// To each of these images, captured ones before their levels, as if all could be seen.
 std::vector<SourceView> sourceViewsOf(std::span<const ResidentImage> images, const scene::View& eye,

@@ -211,6 +211,8 @@ SceneImage readImage(const json& from) {
         for (int axis = 0; axis < 3; ++axis) {
             image.samplesInWorld.least[axis] = box.at(static_cast<std::size_t>(axis)).get<double>();
             image.samplesInWorld.most[axis] = box.at(static_cast<std::size_t>(axis + 3)).get<double>();
+            if (!(image.samplesInWorld.least[axis] <= image.samplesInWorld.most[axis]))
+                throw Failure("has a box about its samples that is none", image.name, kRemedy);
         }
     }
     return image;

@@ -338,7 +338,7 @@ TileSet cutIntoTiles(const DepthImage& image, int tileSize) {
     return set;
 }
 
-WorldExtent boxAroundSamples(const TileBlock& block) {
+WorldExtent boxAroundSamples(const TileBlock& block, double rangeTolerance) {
     constexpr double kInfinity = std::numeric_limits<double>::infinity();
     WorldExtent box{glm::dvec3(kInfinity), glm::dvec3(-kInfinity)};
     for (const std::span<const Tile> tiles : {block.tiles, block.coarser})
@@ -350,8 +350,10 @@ WorldExtent boxAroundSamples(const TileBlock& block) {
                 if (disparity <= 0) return {};
                 const glm::dvec3 ray = rayThrough(camera, tile.x0 + static_cast<double>(place.x) + 0.5,
                                                   tile.y0 + static_cast<double>(place.y) + 0.5);
-                const glm::dvec3 p = block.worldFromCamera * (ray / disparity);
-                box.least = glm::min(box.least, p), box.most = glm::max(box.most, p);
+                for (const double range : {1 - rangeTolerance, 1 + rangeTolerance}) {
+                    const glm::dvec3 p = block.worldFromCamera * (range / disparity * ray);
+                    box.least = glm::min(box.least, p), box.most = glm::max(box.most, p);
+                }
             }
         }
     return box;

@@ -36,4 +36,4 @@ revisit_test(revisit_picture_tests WHOLE LABELS unit TIMEOUT 300
         scene/import/transforms_json_test.cpp
         scene/import/tum_rgbd_test.cpp
         scene/scene_file_test.cpp
-        scene/sight_test.cpp)
+        scene/open_ways_test.cpp)

@@ -38,7 +38,7 @@ revisit_test(revisit_render_tests WHOLE LABELS gpu TIMEOUT 600 LINKS revisit_ren
 revisit_test(revisit_unseen_tests LABELS gpu TIMEOUT 1200
     LINKS revisit_render_scenes scene_project scene_refine TBB::tbb
     SOURCES
-        render/sight_test.cpp
+        render/behind_unseen_test.cpp
         render/test_device.cpp
         render/unseen_test.cpp
         render/unseen_truth_test.cpp)

@@ -7,7 +7,7 @@
 #include "render/resources.h"
 #include "render/shaders/shared/unseen.h"
 #include "scene/coverage.h"
-#include "scene/sight.h"
+#include "scene/open_ways.h"
 #include "scene/view.h"
 
 namespace render {
@@ -26,14 +26,14 @@ class GpuCoverage {
     double finestCellMetres() const { return finestCellMetres_; }
     bool hasDivided() const { return texels_.size() / sizeof(CoverageTexel) > kFirstCoverageNode; } ///< voxels
     std::size_t bytes() const { return texels_.size(); }
-    const scene::SightGrid& sightGrid() const { return sightGrid_; } ///< on the processor: what it may hide
+    const scene::OpenGrid& openGrid() const { return openGrid_; } ///< on the processor: what it may hide
 
   private:
     glm::dvec3 cornerInWorld_;
     double edgeMetres_;
     int levels_;
     double finestCellMetres_;
-    scene::SightGrid sightGrid_;
+    scene::OpenGrid openGrid_;
     Buffer texels_;
     BufferView view_;
     VkDescriptorSetLayout layout_ = VK_NULL_HANDLE;

@@ -16,59 +16,110 @@ struct Said {
 
     std::int64_t words() const { return agrees + sawThrough; }
     double share() const { return words() > 0 ? static_cast<double>(sawThrough) / static_cast<double>(words()) : 0; }
+    void add(const PartnerWord& word) { agrees += word.agrees, sawThrough += word.sawThrough; }
+    void subtract(const PartnerWord& word) { agrees -= word.agrees, sawThrough -= word.sawThrough; }
 };
 
-/// Of each image, summed over those that it was compared with, without those named already.
-std::vector<Said> saidOf(std::span<const SkinFigures> images, const std::vector<bool>& isNamed) {
-    std::vector<Said> said(images.size());
-    for (std::size_t i = 0; i < images.size(); ++i)
-        for (const PartnerWord& word : images[i].words) {
-            if (isNamed[i] || isNamed[word.image]) continue;
-            for (const std::size_t of : {i, std::size_t{word.image}})
-                said[of].agrees += word.agrees, said[of].sawThrough += word.sawThrough;
-        }
-    return said;
-}
+class Search {
+  public:
+    Search(std::span<const SkinFigures> images, const ContradictionOptions& options)
+        : options_(options), images_(images), pairs_(images.size()), said_(images.size()),
+          isNamed_(images.size(), false) {
+        for (std::uint32_t i = 0; i < images.size(); ++i)
+            for (const PartnerWord& word : images[i].words) {
+                pairs_[i].push_back(word);
+                pairs_[word.image].push_back({i, word.agrees, word.sawThrough});
+            }
+        for (std::size_t i = 0; i < images.size(); ++i)
+            for (const PartnerWord& word : pairs_[i])
+                said_[i].add(word);
+    }
 
-/// Whether somebody whom the image contradicts has others, too, that speak for him.
-bool haveOthers(std::span<const SkinFigures> images, std::size_t image, const std::vector<Said>& saidByRest) {
-    for (std::size_t i = 0; i < images.size(); ++i)
-        for (const PartnerWord& word : images[i].words) {
-            if (i != image && word.image != image) continue;
-            if (word.sawThrough > 0 && saidByRest[i == image ? word.image : i].agrees > 0) return true;
+    std::vector<Contradiction> find() {
+        std::vector<bool> isPassedOver(images_.size(), false);
+        std::vector<std::size_t> named;
+        while (const std::optional<std::size_t> worst = worstBut(isPassedOver)) {
+            const double share = said_[*worst].share();
+            name(*worst);
+            if (share >= options_.timesMedian * shareInTheMiddle() && haveOthers(*worst)) {
+                named.push_back(*worst);
+            } else {
+                takeBack(*worst);
+                isPassedOver[*worst] = true;
+            }
         }
-    return false;
-}
+        return confirmed(named);
+    }
 
-double shareInTheMiddle(const std::vector<Said>& said) {
-    std::vector<double> shares;
-    for (const Said& s : said)
-        if (s.words() > 0) shares.push_back(s.share());
-    return medianOf(shares);
-}
+  private:
+    bool isEnough(const Said& said, std::size_t image) const {
+        return said.words() > 0 &&
+               static_cast<double>(said.words()) >= options_.spokenOf * static_cast<double>(images_[image].samples);
+    }
+
+    std::optional<std::size_t> worstBut(const std::vector<bool>& isPassedOver) const {
+        std::optional<std::size_t> worst;
+        for (std::size_t i = 0; i < images_.size(); ++i) {
+            if (isNamed_[i] || isPassedOver[i] || !isEnough(said_[i], i) || said_[i].share() < options_.share) continue;
+            if (!worst || said_[i].share() > said_[*worst].share()) worst = i;
+        }
+        return worst;
+    }
+
+    /// What named ones say, and what is said of them, counts no more for the others.
+    void name(std::size_t image) {
+        isNamed_[image] = true;
+        for (const PartnerWord& word : pairs_[image])
+            if (!isNamed_[word.image]) said_[word.image].subtract(word);
+    }
+    void takeBack(std::size_t image) {
+        isNamed_[image] = false;
+        for (const PartnerWord& word : pairs_[image])
+            if (!isNamed_[word.image]) said_[word.image].add(word);
+    }
+
+    double shareInTheMiddle() const {
+        std::vector<double> shares;
+        for (std::size_t i = 0; i < images_.size(); ++i)
+            if (!isNamed_[i] && said_[i].words() > 0) shares.push_back(said_[i].share());
+        return medianOf(shares);
+    }
+
+    /// Whether somebody whom the image contradicts has others, too, that speak for him.
+    bool haveOthers(std::size_t image) const {
+        return std::any_of(pairs_[image].begin(), pairs_[image].end(), [&](const PartnerWord& word) {
+            const Said& rest = said_[word.image];
+            return word.sawThrough > 0 && !isNamed_[word.image] && isEnough(rest, word.image) &&
+                   rest.share() < options_.share;
+        });
+    }
+
+    /// One that was named because another, which was named later, contradicts it is right.
+    std::vector<Contradiction> confirmed(const std::vector<std::size_t>& named) const {
+        std::vector<Contradiction> found;
+        for (const std::size_t image : named) {
+            Said said;
+            for (const PartnerWord& word : pairs_[image])
+                if (!isNamed_[word.image]) said.add(word);
+            if (said.share() >= options_.share) found.push_back({image, said.share()});
+        }
+        std::stable_sort(found.begin(), found.end(),
+                         [](const Contradiction& a, const Contradiction& b) { return a.share > b.share; });
+        return found;
+    }
+
+    const ContradictionOptions& options_;
+    std::span<const SkinFigures> images_;
+    std::vector<std::vector<PartnerWord>> pairs_; ///< of each image, what either says of the other's samples
+    std::vector<Said> said_;                      ///< of each image, with all that are not named
+    std::vector<bool> isNamed_;
+};
 
 } // namespace
 
 std::vector<Contradiction> findContradictions(std::span<const SkinFigures> images,
                                               const ContradictionOptions& options) {
-    std::vector<Contradiction> found;
-    std::vector<bool> isNamed(images.size(), false);
-    std::vector<Said> said = saidOf(images, isNamed);
-    const auto isEnough = [&](std::size_t i) {
-        return static_cast<double>(said[i].words()) >= options.spokenOf * static_cast<double>(images[i].samples);
-    };
-    for (;;) {
-        std::optional<Contradiction> worst;
-        for (std::size_t i = 0; i < images.size(); ++i)
-            if (said[i].words() > 0 && isEnough(i) && said[i].share() > (worst ? worst->share : 0))
-                worst = {i, said[i].share()};
-        if (!worst || worst->share < options.share) return found;
-        isNamed[worst->image] = true;
-        said = saidOf(images, isNamed);
-        if (worst->share < options.timesMedian * shareInTheMiddle(said) || !haveOthers(images, worst->image, said))
-            return found;
-        found.push_back(*worst);
-    }
+    return Search(images, options).find();
 }
 
 } // namespace scene

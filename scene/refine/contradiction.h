@@ -24,13 +24,14 @@ struct ContradictionOptions {
     /// It must also be so many times that of the image in the middle of the rest without it: range that is noisy, or a
     /// wrong camera, speaks against all alike.
     double timesMedian = 4;
-    /// Of the image's samples so many must be spoken of, in the mean, by one other: less may be chance.
+    /// What an image and its partners say of each other's samples must come to so much of the image's own: less may be
+    /// chance.
     double spokenOf = 0.05;
 };
 
 struct Contradiction {
     std::size_t image = 0;
-    double share = 0; ///< against it, of all that it and those not named before it say of each other's samples
+    double share = 0; ///< against it, of all that it and those that are not named say of each other's samples
 };
 
 /// The images that the rest contradicts, the worst first. Of two that have none but each other nobody knows which is

@@ -128,7 +128,8 @@ std::vector<scene::TileBlock> CutScene::blocks() const {
     for (std::size_t i = 0; i < images.size(); ++i)
         lent.push_back(scene::lend(sets[i], images[i].camera, images[i].worldFromCamera));
     for (scene::TileBlock& block : lent)
-        block.samplesInWorld = scene::boxAroundSamples(block);
+        block.samplesInWorld =
+            scene::boxAroundSamples(block, static_cast<double>(scene::PyramidOptions{}.facetTolerance));
     return lent;
 }
 

@@ -351,6 +351,10 @@ TEST_F(SceneFile, AManifestOfOtherTypesIsRefused) {
     refused("/images/0/world_from_camera/0", 2);
     refused("/images/0/world_from_camera/15", 0);
     refused("/images/0/world_from_camera/3", "east");
+    refused("/images/0/samples_in_world", {0, 0, 0, 1, 1});
+    refused("/images/0/samples_in_world", "everywhere");
+    refused("/images/0/samples_in_world", {0, 0, 2, 1, 1, 1});
+    refused("/images/0/samples_in_world", {0, 0, nullptr, 1, 1, 1});
     refused("/held_out", 1);
     refused("/held_out/0/height", 0);
     refused("/walk_from_world/0", -1);

@@ -22,6 +22,17 @@ std::vector<SkinFigures> figuresOf(const std::vector<DepthImage>& images) {
     return figures;
 }
 
+/// So many images, the first of which agree with each other.
+std::vector<SkinFigures> agreeing(std::uint32_t right, std::size_t all) {
+    std::vector<SkinFigures> figures(all);
+    for (SkinFigures& f : figures)
+        f.samples = 100;
+    for (std::uint32_t i = 0; i < right; ++i)
+        for (std::uint32_t other = 0; other < right; ++other)
+            if (other != i) figures[i].words.push_back({other, 60, 1});
+    return figures;
+}
+
 TEST(Contradiction, RightImagesHaveNone) {
     EXPECT_TRUE(findContradictions(figuresOf(imagesOfBareRoom(kImages))).empty());
 }
@@ -50,24 +61,38 @@ TEST(Contradiction, RangeInOtherUnitsThanTheRestIsNamed) {
 }
 
 TEST(Contradiction, EachOfSeveralIsNamedTheWorstFirst) {
-    std::vector<SkinFigures> figures(8);
-    for (std::uint32_t i = 0; i < figures.size(); ++i) {
-        figures[i].samples = 100;
-        for (std::uint32_t other = 0; other < 6 && i < 6; ++other)
-            if (other != i) figures[i].words.push_back({other, 60, 1});
-    }
+    std::vector<SkinFigures> figures = agreeing(6, 8);
     const auto say = [&](std::size_t of, std::uint32_t by, std::int64_t agrees, std::int64_t sawThrough) {
         figures[of].words.push_back({by, agrees, sawThrough});
     };
-    say(0, 6, 10, 60), say(6, 1, 5, 20); // with the last pair 80 of 115
-    say(7, 1, 1, 9), say(2, 7, 1, 30);   // with it 39 of 61, without image 6 39 of 41
-    say(7, 6, 20, 0);
+    say(0, 6, 10, 60), say(6, 1, 5, 20); // 80 of 95
+    say(7, 1, 1, 9), say(2, 7, 1, 30);   // 39 of 41
+    say(7, 6, 20, 0);                    // they agree with each other
     const std::vector<Contradiction> found = findContradictions(figures);
     ASSERT_EQ(found.size(), 2u);
-    EXPECT_EQ(found[0].image, 6u);
-    EXPECT_DOUBLE_EQ(found[0].share, 80.0 / 115);
-    EXPECT_EQ(found[1].image, 7u);
-    EXPECT_DOUBLE_EQ(found[1].share, 39.0 / 41);
+    EXPECT_EQ(found[0].image, 7u);
+    EXPECT_DOUBLE_EQ(found[0].share, 39.0 / 41);
+    EXPECT_EQ(found[1].image, 6u);
+    EXPECT_DOUBLE_EQ(found[1].share, 80.0 / 95);
+}
+
+TEST(Contradiction, WhomOnlyAWrongOneContradictsIsNotNamed) {
+    std::vector<SkinFigures> figures = agreeing(6, 8);
+    figures[6].words = {{7, 5, 95}, {0, 20, 0}}; // right: the wrong one is most of what it knows
+    figures[7].words = {{1, 60, 60}};
+    const std::vector<Contradiction> found = findContradictions(figures);
+    ASSERT_EQ(found.size(), 1u);
+    EXPECT_EQ(found.front().image, 7u);
+    EXPECT_DOUBLE_EQ(found.front().share, 155.0 / 220);
+}
+
+TEST(Contradiction, TwoThatNobodyCanTellApartHideNoOther) {
+    std::vector<SkinFigures> figures = agreeing(6, 9);
+    figures[6].words = {{0, 20, 30}, {1, 20, 30}};
+    figures[7].words = {{8, 10, 90}};
+    const std::vector<Contradiction> found = findContradictions(figures);
+    ASSERT_EQ(found.size(), 1u);
+    EXPECT_EQ(found.front().image, 6u);
 }
 
 TEST(Contradiction, FewWordsAreNoEvidence) {
@@ -90,7 +115,9 @@ TEST(Contradiction, OfTwoNobodyKnowsWhichIsWrong) {
     EXPECT_TRUE(findContradictions(figures).empty());
     figures[2].words = {{3, 90, 1}}; // two more, which neither of them sees
     EXPECT_TRUE(findContradictions(figures).empty());
-    figures[3].words = {{0, 60, 1}}; // one of which speaks for the first
+    figures[3].words = {{0, 1, 0}}; // one sample agrees by chance
+    EXPECT_TRUE(findContradictions(figures).empty());
+    figures[3].words = {{0, 60, 1}}; // one of them speaks for the first
     ASSERT_EQ(findContradictions(figures).size(), 1u);
     EXPECT_EQ(findContradictions(figures).front().image, 1u);
 }

@@ -21,14 +21,15 @@ struct TwoRooms {
     glm::dvec3 other{0}; ///< the middle of the second, from that of the first
 };
 
-TwoRooms twoRooms() {
+/// cubes: of coverage, from one room to the other.
+TwoRooms twoRooms(int cubes) {
     TwoRooms rooms;
     scene::ImageStore store(rooms.room.images);
     scene::CoverFigures figures;
     const scene::Coverage part = scene::cover(store, {}, figures);
-    rooms.other = glm::dvec3(2 * part.edgeMetres, 0, 0);
+    rooms.other = glm::dvec3(cubes * part.edgeMetres, 0, 0);
     rooms.coverage =
-        coverageManyTimes(part, {{0, 1, 1}, {2, 1, 1}}, part.cornerInWorld - part.edgeMetres * glm::dvec3(0, 1, 1));
+        coverageManyTimes(part, {{0, 1, 1}, {cubes, 1, 1}}, part.cornerInWorld - part.edgeMetres * glm::dvec3(0, 1, 1));
     rooms.blocks = rooms.room.blocks();
     for (std::size_t i = 0; i < rooms.room.images.size(); ++i) {
         scene::TileBlock block = rooms.blocks[i];
@@ -39,7 +40,7 @@ TwoRooms twoRooms() {
     return rooms;
 }
 
-class SightOfRooms : public RenderTest {
+class BehindUnseen : public RenderTest {
   protected:
     struct Drawn {
         std::vector<EyeImage> images;
@@ -71,13 +72,24 @@ class SightOfRooms : public RenderTest {
                 }
         return count;
     }
-    TwoRooms rooms_ = twoRooms();
+    static int changed(const std::vector<EyeImage>& a, const std::vector<EyeImage>& b) {
+        int count = 0;
+        for (std::size_t eye = 0; eye < a.size(); ++eye)
+            for (std::size_t i = 0; i < a[eye].colour.size(); ++i)
+                count += a[eye].colour.pixels()[i] == b[eye].colour.pixels()[i] &&
+                                 a[eye].pixelClass.pixels()[i] == b[eye].pixelClass.pixels()[i]
+                             ? 0
+                             : 1;
+        return count;
+    }
+    explicit BehindUnseen(int cubes = 2) : rooms_(twoRooms(cubes)) {}
+    TwoRooms rooms_;
     GpuScene scene_{testDevice(), rooms_.blocks};
     GpuCoverage coverage_{testDevice(), rooms_.coverage};
     Renderer renderer_{testDevice(), scene_, 160, 120, 2, &coverage_};
 };
 
-TEST_F(SightOfRooms, WhatUnseenSpaceHidesIsLeftOutAndPicturesStayTheSame) {
+TEST_F(BehindUnseen, WhatUnseenSpaceHidesIsLeftOutAndPicturesStayTheSame) {
     std::uint32_t kept = 0, all = 0;
     int filled = 0, unfilled = 0;
     for (const Warp warp : {Warp::points, Warp::splats, Warp::mesh, Warp::adaptive})
@@ -112,7 +124,51 @@ TEST_F(SightOfRooms, WhatUnseenSpaceHidesIsLeftOutAndPicturesStayTheSame) {
     EXPECT_LT(kept, 0.85 * all) << "nothing was hidden: this tests nothing";
 }
 
-TEST_F(SightOfRooms, WhereTheUnseenIsHiddenWhatStandsBehindItIsDrawn) {
+/// The rooms' cubes side by side: the wall is as thick as their rims.
+class BehindThinWalls : public BehindUnseen {
+  protected:
+    BehindThinWalls() : BehindUnseen(1) {}
+};
+
+TEST_F(BehindThinWalls, BlendingAndInterpolatingTakeNothingFromTheOtherRoom) {
+    Quality interpolated, blended;
+    interpolated.warp = Warp::points, interpolated.interpolatesSamples = true, interpolated.holes.radius = 4;
+    interpolated.drawsSquaresNear = true, interpolated.samplePixels = 1;
+    blended.warp = Warp::mesh, blended.isBlended = true, blended.holes.radius = 4;
+    std::uint32_t kept = 0, all = 0;
+    int others = 0;
+    for (const Quality& quality : {interpolated, blended})
+        for (const double scale : {1.0, 0.5}) {
+            Quality hidden = quality, whole = quality;
+            hidden.resolutionScale = whole.resolutionScale = scale;
+            whole.leavesOutHidden = false;
+            for (const glm::dvec3& place : {glm::dvec3(-2.5, 0.1, -0.1), {3.6, 0.5, 2}, {0.3, -0.9, -2.5}})
+                for (int turn = 0; turn < 4; ++turn) {
+                    const auto [left, right] = scene::eyesOf(
+                        cameraOf(160, 120, 1.4), poseAt(place, 0.3 + turn * std::numbers::pi / 2, 0.1), 0.063);
+                    const std::array eyes{left, right};
+                    const Drawn drawn = draw(renderer_, eyes, hidden), everything = draw(renderer_, eyes, whole);
+                    others += changed(drawn.images, everything.images);
+                    kept += drawn.tiles, all += everything.tiles;
+                }
+        }
+    EXPECT_EQ(others, 0);
+    EXPECT_LT(kept, 0.85 * all) << "nothing was hidden: this tests nothing";
+}
+
+TEST_F(BehindUnseen, FramesThatStandAreDrawnAnewWhenWhatHidTheRestIsGone) {
+    const auto [left, right] =
+        scene::eyesOf(cameraOf(160, 120, 1.0), poseAt(glm::dvec3(0), std::numbers::pi / 2, 0), 0.063);
+    const std::array eyes{left, right};
+    renderer_.letFramesStand(true);
+    draw(renderer_, eyes, {});
+    renderer_.useCoverage(nullptr);
+    const Drawn after = draw(renderer_, eyes, {});
+    Renderer another(testDevice(), scene_, 160, 120, 2);
+    expectSame(after.images, draw(another, eyes, {}).images, "without coverage");
+}
+
+TEST_F(BehindUnseen, WhereTheUnseenIsHiddenWhatStandsBehindItIsDrawn) {
     const auto [left, right] =
         scene::eyesOf(cameraOf(160, 120, 1.0), poseAt(glm::dvec3(0), std::numbers::pi / 2, 0), 0.063);
     const std::array eyes{left, right};

@@ -1,4 +1,4 @@
-#include "scene/sight.h"
+#include "scene/open_ways.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,13 +11,13 @@ namespace scene {
 
 namespace {
 
-using Row = SightGrid::Row;
+using Row = OpenGrid::Row;
 
 /// About an eye, in which it may move before all is found anew: metres, as far as that is so many cells.
 constexpr double kPlaceMetres = 0.2, kLeastPlace = 2, kMostPlace = 8;
 constexpr double kBesideFace = 0.01; ///< cells: whoever is so near to a face counts as on both sides of it
 constexpr double kLeastPart = 8;     ///< cells: smaller parts of a box are not asked about one by one
-constexpr int kBlock = 4, kBlocksAcross = kSightAcross / kBlock;
+constexpr int kBlock = 4, kBlocksAcross = kOpenGridAcross / kBlock;
 
 std::uint64_t mirrored(std::uint64_t w) {
     const auto swap = [&](int by, std::uint64_t mask) { w = ((w >> by) & mask) | ((w & mask) << by); };
@@ -80,66 +80,71 @@ std::uint64_t bitsFrom(int first, int last) {
 
 } // namespace
 
-SightGrid::SightGrid(const Coverage& coverage)
-    : cornerInWorld_(coverage.cornerInWorld), cellMetres_(coverage.edgeMetres / kSightAcross),
-      open_(std::size_t{kSightAcross} * kSightAcross), mirrored_(open_.size()) {
-    openCells(coverage, 0, {0, 0, 0}, kSightAcross);
+OpenGrid::OpenGrid(const Coverage& coverage)
+    : cornerInWorld_(coverage.cornerInWorld), cellMetres_(coverage.edgeMetres / kOpenGridAcross),
+      open_(std::size_t{kOpenGridAcross} * kOpenGridAcross), mirrored_(open_.size()), clear_(open_.size()) {
+    openCells(coverage, 0, {0, 0, 0}, kOpenGridAcross);
     std::transform(open_.begin(), open_.end(), mirrored_.begin(), [](const Row& row) { return mirrored(row); });
 }
 
-void SightGrid::openCells(const Coverage& coverage, std::size_t index, const SightCell& first, int edge) {
+void OpenGrid::openCells(const Coverage& coverage, std::size_t index, const GridCell& first, int edge) {
     const CoverageNode& node = coverage.nodes[index];
     const int cell = edge / kCoverageBranching;
     for (int bit = 0; bit < 64; ++bit) {
         const std::uint64_t mask = coverageMask(bit);
         if ((node.unseen & mask) != 0) continue;
-        const SightCell at{first[0] + bit % 4 * cell, first[1] + bit / 4 % 4 * cell, first[2] + bit / 16 * cell};
-        if ((node.children & mask) != 0 && cell > 1) {
+        const GridCell at{first[0] + bit % 4 * cell, first[1] + bit / 4 % 4 * cell, first[2] + bit / 16 * cell};
+        const bool isDivided = (node.children & mask) != 0;
+        if (isDivided && cell > 1) {
             openCells(coverage, node.firstChild + childRank(node.children, bit), at, cell);
             continue;
         }
-        for (int z = at[2]; z < at[2] + cell; ++z)
-            for (int y = at[1]; y < at[1] + cell; ++y)
-                for (int x = at[0]; x < at[0] + cell; ++x)
-                    open_[rowOf(y, z)][static_cast<std::size_t>(x) / 64] |= std::uint64_t{1} << (x % 64);
+        fill(open_, at, cell);
+        if (!isDivided) fill(clear_, at, cell);
     }
 }
 
-bool SightGrid::isOpen(const SightCell& cell) const {
-    if (std::any_of(cell.begin(), cell.end(), [](int at) { return at < 0 || at >= kSightAcross; })) return false;
-    return (openRow(cell[1], cell[2])[static_cast<std::size_t>(cell[0]) / 64] >> (cell[0] % 64) & 1) != 0;
+void OpenGrid::fill(std::vector<Row>& rows, const GridCell& first, int edge) {
+    for (int z = first[2]; z < first[2] + edge; ++z)
+        for (int y = first[1]; y < first[1] + edge; ++y)
+            for (int x = first[0]; x < first[0] + edge; ++x)
+                rows[rowOf(y, z)][static_cast<std::size_t>(x) / 64] |= std::uint64_t{1} << (x % 64);
+}
+
+bool OpenGrid::holds(const std::vector<Row>& rows, const GridCell& cell) {
+    if (std::any_of(cell.begin(), cell.end(), [](int at) { return at < 0 || at >= kOpenGridAcross; })) return false;
+    return (rows[rowOf(cell[1], cell[2])][static_cast<std::size_t>(cell[0]) / 64] >> (cell[0] % 64) & 1) != 0;
 }
 
 namespace {
 
-SightCell cellOf(const glm::dvec3& inCells) {
+GridCell cellOf(const glm::dvec3& inCells) {
     // What is too far away for an int is outside all the same.
     const glm::dvec3 at = glm::clamp(glm::floor(inCells), -1e6, 1e6);
     return {static_cast<int>(at.x), static_cast<int>(at.y), static_cast<int>(at.z)};
 }
 
-/// The cell that an eye is in first, then those it is beside, if they are open.
-std::vector<SightCell> cellsAbout(const SightGrid& grid, const glm::dvec3& eyeInWorld) {
+/// The cells that an eye is in or right beside.
+std::vector<GridCell> cellsAbout(const OpenGrid& grid, const glm::dvec3& eyeInWorld) {
     const glm::dvec3 inCells = (eyeInWorld - grid.cornerInWorld()) / grid.cellMetres();
-    std::vector<SightCell> cells{cellOf(inCells)};
+    std::vector<GridCell> cells;
     for (int corner = 0; corner < 8; ++corner) {
         const glm::dvec3 side((corner & 1) != 0 ? 1 : -1, (corner & 2) != 0 ? 1 : -1, (corner & 4) != 0 ? 1 : -1);
-        const SightCell beside = cellOf(inCells + kBesideFace * side);
-        if (grid.isOpen(beside) && std::find(cells.begin(), cells.end(), beside) == cells.end())
-            cells.push_back(beside);
+        const GridCell beside = cellOf(inCells + kBesideFace * side);
+        if (std::find(cells.begin(), cells.end(), beside) == cells.end()) cells.push_back(beside);
     }
     return cells;
 }
 
 } // namespace
 
-void Sight::forget() {
+void OpenWays::forget() {
     isKnown_ = false;
     isPlace_.clear();
 }
 
-bool Sight::areStillWithin(const SightGrid& grid, std::span<const glm::dvec3> eyesInWorld) const {
-    const auto isPlace = [&](const SightCell& cell) {
+bool OpenWays::areStillWithin(const OpenGrid& grid, std::span<const glm::dvec3> eyesInWorld) const {
+    const auto isPlace = [&](const GridCell& cell) {
         std::size_t at = 0;
         for (std::size_t axis = 3; axis-- > 0;) {
             if (cell[axis] < low_[axis] || cell[axis] > high_[axis]) return false;
@@ -149,23 +154,23 @@ bool Sight::areStillWithin(const SightGrid& grid, std::span<const glm::dvec3> ey
         return isPlace_[at] != 0;
     };
     return !isPlace_.empty() && std::all_of(eyesInWorld.begin(), eyesInWorld.end(), [&](const glm::dvec3& eye) {
-        const std::vector<SightCell> cells = cellsAbout(grid, eye);
+        const std::vector<GridCell> cells = cellsAbout(grid, eye);
         return std::all_of(cells.begin(), cells.end(), isPlace);
     });
 }
 
 /// Where the eyes may move without leaving open space or what is near: cells that hang together with theirs.
-void Sight::gatherPlace(const SightGrid& grid, std::span<const glm::dvec3> eyesInWorld) {
-    std::vector<SightCell> left;
+void OpenWays::gatherPlace(const OpenGrid& grid, std::span<const glm::dvec3> eyesInWorld) {
+    std::vector<GridCell> left;
     const double cells = std::clamp(kPlaceMetres / grid.cellMetres(), kLeastPlace, kMostPlace);
     const int reach = static_cast<int>(cells);
-    low_ = {kSightAcross, kSightAcross, kSightAcross}, high_ = {-1, -1, -1};
+    low_ = {kOpenGridAcross, kOpenGridAcross, kOpenGridAcross}, high_ = {-1, -1, -1};
     for (const glm::dvec3& eye : eyesInWorld)
-        for (const SightCell& cell : cellsAbout(grid, eye)) {
+        for (const GridCell& cell : cellsAbout(grid, eye)) {
             left.push_back(cell);
             for (std::size_t axis = 0; axis < 3; ++axis) {
                 low_[axis] = std::clamp(cell[axis] - reach, 0, low_[axis]);
-                high_[axis] = std::clamp(cell[axis] + reach, high_[axis], kSightAcross - 1);
+                high_[axis] = std::clamp(cell[axis] + reach, high_[axis], kOpenGridAcross - 1);
             }
         }
     std::array<std::size_t, 3> size{};
@@ -173,7 +178,7 @@ void Sight::gatherPlace(const SightGrid& grid, std::span<const glm::dvec3> eyesI
         size[axis] = static_cast<std::size_t>(high_[axis] - low_[axis] + 1);
     isPlace_.assign(size[0] * size[1] * size[2], 0);
     while (!left.empty()) {
-        const SightCell cell = left.back();
+        const GridCell cell = left.back();
         left.pop_back();
         bool isWithin = grid.isOpen(cell);
         std::size_t at = 0;
@@ -192,8 +197,8 @@ void Sight::gatherPlace(const SightGrid& grid, std::span<const glm::dvec3> eyesI
 }
 
 /// The ways of one octant: on along x in the rows as given, along y and z by steps of one.
-void Sight::sweep(const SightGrid& grid, bool isMirrored, int stepY, int stepZ, std::vector<Row>& reached) const {
-    constexpr int kLast = kSightAcross - 1;
+void OpenWays::sweep(const OpenGrid& grid, bool isMirrored, int stepY, int stepZ, std::vector<Row>& reached) const {
+    constexpr int kLast = kOpenGridAcross - 1;
     const auto placeRow = [&](int y, int z) {
         Row row{};
         if (y < low_[1] || y > high_[1] || z < low_[2] || z > high_[2]) return row;
@@ -210,7 +215,7 @@ void Sight::sweep(const SightGrid& grid, bool isMirrored, int stepY, int stepZ, 
         return row;
     };
     // One slice behind the other; a row more than there are, before the first, in which nothing is.
-    std::array<Row, kSightAcross + 1> before{}, here{};
+    std::array<Row, kOpenGridAcross + 1> before{}, here{};
     const int beginY = stepY > 0 ? low_[1] : high_[1], beginZ = stepZ > 0 ? low_[2] : high_[2];
     for (int z = beginZ; z >= 0 && z <= kLast; z += stepZ) {
         bool isAnything = false;
@@ -228,7 +233,7 @@ void Sight::sweep(const SightGrid& grid, bool isMirrored, int stepY, int stepZ, 
                 continue;
             }
             here[i] = filled(from, isMirrored ? grid.mirroredRow(y, z) : grid.openRow(y, z));
-            Row& all = reached[SightGrid::rowOf(y, z)];
+            Row& all = reached[OpenGrid::rowOf(y, z)];
             for (std::size_t w = 0; w < all.size(); ++w)
                 all[w] |= here[i][w];
             isAnything = true;
@@ -241,14 +246,14 @@ void Sight::sweep(const SightGrid& grid, bool isMirrored, int stepY, int stepZ, 
 
 /// Both ways along x together; whether a way leads to the cube's rim, and blocks of cells, so that large boxes are
 /// asked about quickly.
-void Sight::summarize() {
-    constexpr int kLast = kSightAcross - 1;
+void OpenWays::summarize() {
+    constexpr int kLast = kOpenGridAcross - 1;
     leavesCube_ = false;
     blocks_.assign(std::size_t{kBlocksAcross} * kBlocksAcross, 0);
-    for (int z = 0; z < kSightAcross; ++z)
-        for (int y = 0; y < kSightAcross; ++y) {
-            Row& row = reached_[SightGrid::rowOf(y, z)];
-            if (const Row& back = backwards_[SightGrid::rowOf(y, z)]; !isEmpty(back)) {
+    for (int z = 0; z < kOpenGridAcross; ++z)
+        for (int y = 0; y < kOpenGridAcross; ++y) {
+            Row& row = reached_[OpenGrid::rowOf(y, z)];
+            if (const Row& back = backwards_[OpenGrid::rowOf(y, z)]; !isEmpty(back)) {
                 const Row turned = mirrored(back);
                 for (std::size_t w = 0; w < row.size(); ++w)
                     row[w] |= turned[w];
@@ -263,9 +268,12 @@ void Sight::summarize() {
         }
 }
 
-bool Sight::standAt(const SightGrid& grid, std::span<const glm::dvec3> eyesInWorld) {
-    const auto standsOpen = [&](const glm::dvec3& eye) { return grid.isOpen(cellsAbout(grid, eye).front()); };
-    if (!std::all_of(eyesInWorld.begin(), eyesInWorld.end(), standsOpen)) {
+bool OpenWays::standAt(const OpenGrid& grid, std::span<const glm::dvec3> eyesInWorld) {
+    const auto standsClear = [&](const glm::dvec3& eye) {
+        const std::vector<GridCell> cells = cellsAbout(grid, eye);
+        return std::all_of(cells.begin(), cells.end(), [&](const GridCell& cell) { return grid.isClear(cell); });
+    };
+    if (!std::all_of(eyesInWorld.begin(), eyesInWorld.end(), standsClear)) {
         forget();
         return false;
     }
@@ -274,7 +282,7 @@ bool Sight::standAt(const SightGrid& grid, std::span<const glm::dvec3> eyesInWor
     cornerInWorld_ = grid.cornerInWorld(), cellMetres_ = grid.cellMetres();
     gatherPlace(grid, eyesInWorld);
     const auto sweepAll = [&](bool isMirrored, std::vector<Row>& reached) {
-        reached.assign(std::size_t{kSightAcross} * kSightAcross, Row{});
+        reached.assign(std::size_t{kOpenGridAcross} * kOpenGridAcross, Row{});
         for (const int stepY : {1, -1})
             for (const int stepZ : {1, -1})
                 sweep(grid, isMirrored, stepY, stepZ, reached);
@@ -285,7 +293,7 @@ bool Sight::standAt(const SightGrid& grid, std::span<const glm::dvec3> eyesInWor
     return true;
 }
 
-bool Sight::mayMeet(const glm::dvec3& least, const glm::dvec3& most, double beside) const {
+bool OpenWays::mayMeet(const glm::dvec3& least, const glm::dvec3& most, double beside) const {
     if (!isKnown_) return true;
     double farthest = 0;
     for (const glm::dvec3& eye : eyesInWorld_)
@@ -301,13 +309,13 @@ bool Sight::mayMeet(const glm::dvec3& least, const glm::dvec3& most, double besi
     return mayMeet(least, lowHalf, beside) || mayMeet(highHalf, most, beside);
 }
 
-bool Sight::meets(const glm::dvec3& least, const glm::dvec3& most) const {
+bool OpenWays::meets(const glm::dvec3& least, const glm::dvec3& most) const {
     const double around = kBesideFace * cellMetres_;
-    SightCell low = cellOf((least - around - cornerInWorld_) / cellMetres_),
-              high = cellOf((most + around - cornerInWorld_) / cellMetres_);
+    GridCell low = cellOf((least - around - cornerInWorld_) / cellMetres_),
+             high = cellOf((most + around - cornerInWorld_) / cellMetres_);
     for (std::size_t axis = 0; axis < 3; ++axis) {
-        if (leavesCube_ && (low[axis] < 0 || high[axis] >= kSightAcross)) return true;
-        low[axis] = std::max(low[axis], 0), high[axis] = std::min(high[axis], kSightAcross - 1);
+        if (leavesCube_ && (low[axis] < 0 || high[axis] >= kOpenGridAcross)) return true;
+        low[axis] = std::max(low[axis], 0), high[axis] = std::min(high[axis], kOpenGridAcross - 1);
         if (low[axis] > high[axis]) return false;
     }
     const std::uint64_t asked = bitsFrom(low[0] / kBlock, high[0] / kBlock);
@@ -320,7 +328,7 @@ bool Sight::meets(const glm::dvec3& least, const glm::dvec3& most) const {
                     for (int word = low[0] / 64; word <= high[0] / 64; ++word) {
                         const std::uint64_t bits =
                             bitsFrom(std::max(low[0] - 64 * word, 0), std::min(high[0] - 64 * word, 63));
-                        if ((reached_[SightGrid::rowOf(cy, cz)][static_cast<std::size_t>(word)] & bits) != 0)
+                        if ((reached_[OpenGrid::rowOf(cy, cz)][static_cast<std::size_t>(word)] & bits) != 0)
                             return true;
                     }
         }
