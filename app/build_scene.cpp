@@ -85,12 +85,13 @@ void sayWhichStandAlone(const Overlaps& overlaps, const SkinStage& skins, scene:
         return names.size() == 1 ? std::string(one) : several;
     };
     if (!contradicted.empty())
-        tell(capture, "The others contradict " + someOf(contradicted) +
-                          ": of what is said of each other's samples up to " +
-                          std::to_string(std::lround(100 * skins.contradictions.front().share)) +
-                          " % is that somebody saw through them. " +
-                          pick(contradicted, "Its pose or its range is wrong: correct it, or leave the photograph out.",
-                               "Their poses or ranges are wrong: correct them, or leave these photographs out."));
+        tell(capture,
+             "The others contradict " + someOf(contradicted) + ": of what is said of each other's samples up to " +
+                 std::to_string(std::lround(100 * skins.contradictions.front().share)) +
+                 " % is that somebody saw through them. " +
+                 pick(contradicted,
+                      "Its pose, focal length or range is wrong: correct it, or leave the photograph out.",
+                      "Their poses, focal lengths or ranges are wrong: correct them, or leave these photographs out."));
     if (!unseen.empty())
         tell(capture, "No other photograph of the scene shows, even roughly, what " + someOf(unseen) +
                           pick(unseen, " shows: nothing tells whether it stands where it is said to.",

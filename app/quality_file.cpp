@@ -145,7 +145,8 @@ std::vector<Knob> makeKnobs() {
         yesOrNo(
             "leave_out_hidden",
             "images that unseen space hides, where that is shown, and without a graphics card tiles behind what is "
-            "drawn already are left out; pictures are the same but for gaps that are filled anyway",
+            "drawn already are left out; pictures are the same but for gaps that are filled anyway, and colours that "
+            "are blended or interpolated with what stands right behind",
             {false}, [](auto& q) -> auto& { return q.leavesOutHidden; }),
         yesOrNo(
             "one_pass",

@@ -48,8 +48,7 @@ ResidentTile residentOf(const scene::Tile& tile, const scene::TileChunk& chunk) 
     return resident;
 }
 
-/// What tiles' heads say of where samples are is coarse, and checked; a box beyond it is of an image that was moved
-/// since.
+/// What tiles' heads say of where samples are is coarse, and checked: a box that goes beyond is not believed.
 bool isWithin(const scene::WorldExtent& box, const ImageSphere& sphere) {
     constexpr double kSlack = 1.02; // facets
     const double radius = kSlack * sphere.radius;

@@ -34,7 +34,7 @@ struct SourceViews {
 };
 
 /// Passes over what lies beside the eye's picture or behind it (as far outside as marginPixels counts as within), and
-/// what the eye's ways does not meet. shares: of the captured images' samples, as many as are drawn; or none: all.
+/// what no open way leads to. shares: of the captured images' samples, as many as are drawn; or none: all.
 void findSourceViews(const SceneIndex& scene, const scene::View& eye, const Quality& quality, double marginPixels,
                      std::span<const float> shares, const scene::OpenWays& ways, SourceViews& views);
 

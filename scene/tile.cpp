@@ -338,7 +338,7 @@ TileSet cutIntoTiles(const DepthImage& image, int tileSize) {
     return set;
 }
 
-WorldExtent boxAroundSamples(const TileBlock& block, double rangeTolerance) {
+WorldExtent boxAroundSamples(const TileBlock& block, double tolerance) {
     constexpr double kInfinity = std::numeric_limits<double>::infinity();
     WorldExtent box{glm::dvec3(kInfinity), glm::dvec3(-kInfinity)};
     for (const std::span<const Tile> tiles : {block.tiles, block.coarser})
@@ -350,8 +350,8 @@ WorldExtent boxAroundSamples(const TileBlock& block, double rangeTolerance) {
                 if (disparity <= 0) return {};
                 const glm::dvec3 ray = rayThrough(camera, tile.x0 + static_cast<double>(place.x) + 0.5,
                                                   tile.y0 + static_cast<double>(place.y) + 0.5);
-                for (const double range : {1 - rangeTolerance, 1 + rangeTolerance}) {
-                    const glm::dvec3 p = block.worldFromCamera * (range / disparity * ray);
+                for (const double share : {1 - tolerance, 1 + tolerance}) {
+                    const glm::dvec3 p = block.worldFromCamera * (ray / (share * disparity));
                     box.least = glm::min(box.least, p), box.most = glm::max(box.most, p);
                 }
             }

@@ -167,9 +167,9 @@ struct TileBlock {
         samplesInWorld{}; ///< about all of them, those of coarser levels, too; without end where nobody found it
 };
 
-/// Reads all that a block holds. rangeTolerance: what is drawn may stand by this share of a sample's range before or
-/// behind it (facets do). With a sample infinitely far away it is without end.
-WorldExtent boxAroundSamples(const TileBlock& block, double rangeTolerance);
+/// Reads all that a block holds. tolerance: by this share of a sample's disparity, less than 1, what is drawn may be
+/// off (facets are). With a sample infinitely far away it is without end.
+WorldExtent boxAroundSamples(const TileBlock& block, double tolerance);
 
 inline TileBlock lend(const TileSet& set, const Camera& camera, const Pose& worldFromCamera) {
     return {camera,     worldFromCamera, set.tiles, set.coarser, set.vertices, set.quads,

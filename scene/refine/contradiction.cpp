@@ -37,18 +37,24 @@ class Search {
 
     std::vector<Contradiction> find() {
         std::vector<bool> isPassedOver(images_.size(), false);
-        std::vector<std::size_t> named;
         while (const std::optional<std::size_t> worst = worstBut(isPassedOver)) {
             const double share = said_[*worst].share();
             name(*worst);
             if (share >= options_.timesMedian * shareInTheMiddle() && haveOthers(*worst)) {
-                named.push_back(*worst);
+                named_.push_back(*worst);
+                isPassedOver.assign(images_.size(), false); // with one less that speaks against all
             } else {
                 takeBack(*worst);
                 isPassedOver[*worst] = true;
             }
         }
-        return confirmed(named);
+        takeBackWhoIsRight();
+        std::vector<Contradiction> found;
+        for (const std::size_t image : named_)
+            found.push_back({image, saidByRest(image).share()});
+        std::stable_sort(found.begin(), found.end(),
+                         [](const Contradiction& a, const Contradiction& b) { return a.share > b.share; });
+        return found;
     }
 
   private:
@@ -74,8 +80,17 @@ class Search {
     }
     void takeBack(std::size_t image) {
         isNamed_[image] = false;
+        said_[image] = saidByRest(image);
         for (const PartnerWord& word : pairs_[image])
             if (!isNamed_[word.image]) said_[word.image].add(word);
+    }
+
+    /// Of an image and all that are not named.
+    Said saidByRest(std::size_t image) const {
+        Said said;
+        for (const PartnerWord& word : pairs_[image])
+            if (!isNamed_[word.image]) said.add(word);
+        return said;
     }
 
     double shareInTheMiddle() const {
@@ -88,24 +103,29 @@ class Search {
     /// Whether somebody whom the image contradicts has others, too, that speak for him.
     bool haveOthers(std::size_t image) const {
         return std::any_of(pairs_[image].begin(), pairs_[image].end(), [&](const PartnerWord& word) {
-            const Said& rest = said_[word.image];
-            return word.sawThrough > 0 && !isNamed_[word.image] && isEnough(rest, word.image) &&
-                   rest.share() < options_.share;
+            const Said pair{word.agrees, word.sawThrough};
+            return !isNamed_[word.image] && pair.words() > 0 && pair.share() >= options_.share &&
+                   static_cast<double>(said_[word.image].agrees) >=
+                       options_.spokenOf * static_cast<double>(images_[word.image].samples);
         });
     }
 
-    /// One that was named because another, which was named later, contradicts it is right.
-    std::vector<Contradiction> confirmed(const std::vector<std::size_t>& named) const {
-        std::vector<Contradiction> found;
-        for (const std::size_t image : named) {
-            Said said;
-            for (const PartnerWord& word : pairs_[image])
-                if (!isNamed_[word.image]) said.add(word);
-            if (said.share() >= options_.share) found.push_back({image, said.share()});
+    /// Of those named early some were contradicted by others alone that were named later.
+    void takeBackWhoIsRight() {
+        const auto isRight = [&](std::size_t image) {
+            const Said said = saidByRest(image);
+            return !isEnough(said, image) || said.share() < options_.share ||
+                   said.share() < options_.timesMedian * shareInTheMiddle();
+        };
+        for (auto at = named_.begin(); at != named_.end();) {
+            if (!isRight(*at)) {
+                ++at;
+                continue;
+            }
+            takeBack(*at);
+            named_.erase(at);
+            at = named_.begin(); // the others are asked again by one more
         }
-        std::stable_sort(found.begin(), found.end(),
-                         [](const Contradiction& a, const Contradiction& b) { return a.share > b.share; });
-        return found;
     }
 
     const ContradictionOptions& options_;
@@ -113,6 +133,7 @@ class Search {
     std::vector<std::vector<PartnerWord>> pairs_; ///< of each image, what either says of the other's samples
     std::vector<Said> said_;                      ///< of each image, with all that are not named
     std::vector<bool> isNamed_;
+    std::vector<std::size_t> named_;
 };
 
 } // namespace

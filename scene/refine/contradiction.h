@@ -19,7 +19,7 @@ namespace scene {
 
 struct ContradictionOptions {
     /// Of what an image and its partners say of each other's samples, the share against them from which it is named:
-    /// of any capture of ours that is as it should be no image reaches half of it.
+    /// of no capture of ours that is as it should be does an image reach 5 %.
     double share = 0.08;
     /// It must also be so many times that of the image in the middle of the rest without it: range that is noisy, or a
     /// wrong camera, speaks against all alike.

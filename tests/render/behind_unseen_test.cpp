@@ -77,6 +77,7 @@ class BehindUnseen : public RenderTest {
         for (std::size_t eye = 0; eye < a.size(); ++eye)
             for (std::size_t i = 0; i < a[eye].colour.size(); ++i)
                 count += a[eye].colour.pixels()[i] == b[eye].colour.pixels()[i] &&
+                                 a[eye].depthMetres.pixels()[i] == b[eye].depthMetres.pixels()[i] &&
                                  a[eye].pixelClass.pixels()[i] == b[eye].pixelClass.pixels()[i]
                              ? 0
                              : 1;
@@ -161,11 +162,26 @@ TEST_F(BehindUnseen, FramesThatStandAreDrawnAnewWhenWhatHidTheRestIsGone) {
         scene::eyesOf(cameraOf(160, 120, 1.0), poseAt(glm::dvec3(0), std::numbers::pi / 2, 0), 0.063);
     const std::array eyes{left, right};
     renderer_.letFramesStand(true);
-    draw(renderer_, eyes, {});
+    const Drawn before = draw(renderer_, eyes, {});
     renderer_.useCoverage(nullptr);
     const Drawn after = draw(renderer_, eyes, {});
     Renderer another(testDevice(), scene_, 160, 120, 2);
-    expectSame(after.images, draw(another, eyes, {}).images, "without coverage");
+    const Drawn expected = draw(another, eyes, {});
+    expectSame(after.images, expected.images, "without coverage");
+    EXPECT_EQ(after.tiles, expected.tiles);
+    EXPECT_LT(before.tiles, after.tiles) << "else nothing was hidden";
+}
+
+TEST_F(BehindUnseen, BoxesThatCannotBeAreNotBelieved) {
+    std::vector<scene::TileBlock> blocks = rooms_.blocks;
+    const SceneIndex asTheyAre(blocks, scene::kChunkBytes);
+    for (const ImageSphere& sphere : asTheyAre.spheres)
+        EXPECT_TRUE(sphere.box.isFinite());
+    blocks[0].samplesInWorld.least.x -= 100, blocks[1].samplesInWorld = {};
+    const SceneIndex changed(blocks, scene::kChunkBytes);
+    EXPECT_FALSE(changed.spheres[0].box.isFinite());
+    EXPECT_FALSE(changed.spheres[1].box.isFinite());
+    EXPECT_TRUE(changed.spheres[2].box.isFinite());
 }
 
 TEST_F(BehindUnseen, WhereTheUnseenIsHiddenWhatStandsBehindItIsDrawn) {

@@ -55,7 +55,8 @@ TEST(OpenWays, NothingThatARayMeetsIsMissed) {
             const glm::dvec3 eye = places.about(coverage, 0);
             OpenWays ways;
             ways.standAt(grid, std::array{eye});
-            known += ways.isKnown() ? 1 : 0;
+            if (!ways.isKnown()) continue;
+            ++known;
             for (int i = 0; i < 2000; ++i) {
                 const glm::dvec3 p = places.about(coverage, 0.5), way = p - eye;
                 const double far = glm::length(way);
@@ -144,6 +145,40 @@ TEST(OpenWays, WhoStandsWhereNobodyLookedMayMeetAnything) {
         EXPECT_FALSE(ways.standAt(grid, std::array{inPlan(-far, 0.5)}));
         EXPECT_TRUE(mayMeetAt(ways, inPlan(3.5, 0.5)));
     }
+}
+
+TEST(OpenWays, WhoStandsBesideTheUnseenMayMeetAnything) {
+    Coverage coverage = floorPlan({"..#.", "..#.", "..#.", "..#."});
+    // The cell at the eye's divided down to below the grid: of one of its cells the lower half is unseen.
+    const int levels = 5;
+    glm::dvec3 corner = coverage.cornerInWorld;
+    double edge = coverage.edgeMetres;
+    for (int level = 1; level < levels; ++level) {
+        CoverageNode& parent = coverage.nodes.back();
+        parent.children = coverageMask(coverageBit(1, 1, 0));
+        parent.unseen &= ~parent.children;
+        parent.firstChild = static_cast<std::uint32_t>(coverage.nodes.size());
+        edge /= kCoverageBranching;
+        corner += edge * glm::dvec3(1, 1, 0);
+        coverage.nodes.emplace_back();
+    }
+    for (int bit = 0; bit < 32; ++bit)
+        coverage.nodes.back().unseen |= coverageMask(bit);
+    const OpenGrid grid(coverage);
+    ASSERT_DOUBLE_EQ(grid.cellMetres(), edge);
+    const auto isKnownAt = [&](const glm::dvec3& eye) {
+        OpenWays ways;
+        ways.standAt(grid, std::array{eye});
+        EXPECT_EQ(mayMeetAt(ways, inPlan(3.5, 0.5)), !ways.isKnown());
+        return ways.isKnown();
+    };
+    const glm::dvec3 middle = corner + 0.5 * edge;
+    EXPECT_FALSE(isKnownAt(middle - glm::dvec3(0, 0, 0.3 * edge))) << "in what is unseen of the cell";
+    EXPECT_FALSE(isKnownAt(middle + glm::dvec3(0, 0, 0.3 * edge))) << "above it";
+    EXPECT_FALSE(isKnownAt(middle + glm::dvec3(0.505 * edge, 0, 0.3 * edge))) << "right beside the cell";
+    EXPECT_TRUE(isKnownAt(middle + glm::dvec3(0.55 * edge, 0, 0.3 * edge))) << "a little farther";
+    EXPECT_FALSE(isKnownAt(inPlan(1.9999, 0.5))) << "right before the wall";
+    EXPECT_TRUE(isKnownAt(inPlan(1.99, 0.5)));
 }
 
 TEST(OpenWays, OutsideOfTheCubeIsMetWhereAWayLeavesIt) {

@@ -204,6 +204,18 @@ TEST_F(SceneFile, ComesBack) {
     EXPECT_EQ(scene.manifest, manifest_);
 }
 
+TEST_F(SceneFile, BoxesAboutSamplesComeWithTheirBlocks) {
+    EXPECT_FALSE(openScene(folder()).blocks[1].samplesInWorld.isFinite()) << "scenes of before do not say";
+    json manifest = json::parse(manifest_);
+    manifest["images"][1]["samples_in_world"] = {-1.5, 2, 3, 4, 5.25, 6};
+    manifest["images"][0]["samples_in_world"] = nullptr;
+    writeFile(folder() / "scene.json", manifest.dump());
+    const Scene scene = openScene(folder());
+    EXPECT_FALSE(scene.blocks[0].samplesInWorld.isFinite());
+    EXPECT_EQ(scene.blocks[1].samplesInWorld.least, glm::dvec3(-1.5, 2, 3));
+    EXPECT_EQ(scene.blocks[1].samplesInWorld.most, glm::dvec3(4, 5.25, 6));
+}
+
 TEST_F(SceneFile, WhatIsGivenBackIsReadAgain) {
     const Scene scene = openScene(folder());
     for (const TileBlock& block : scene.blocks) {

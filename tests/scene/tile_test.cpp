@@ -350,6 +350,36 @@ TEST_P(CutIntoTiles, LeastDisparityComesBackExactly) {
         }
 }
 
+TEST(BoxAroundSamples, HoldsEachAndTouchesSome) {
+    DepthImage image = drawImage(70, 50, 31, {0.3, 0, 0.2, 0.1});
+    image.worldFromCamera.translation = {3, -2, 7};
+    for (float& disparity : image.disparity.pixels())
+        disparity = 0.2f + 0.8f * std::clamp(disparity, 0.f, 1.f); // no sky
+    const TileSet set = cutIntoTiles(image);
+    const TileBlock block = lend(set, image.camera, image.worldFromCamera);
+    glm::dvec3 least(1e9), most(-1e9);
+    for (const Tile& tile : set.tiles)
+        for (std::uint32_t i = 0; i < tile.vertexCount; ++i) {
+            const TileVertex& vertex = set.vertices[tile.firstVertex + i];
+            const auto [x, y] = placeInImage(tile, vertex);
+            const glm::dvec3 p = image.worldFromCamera * (rayThrough(image.camera, x + 0.5, y + 0.5) /
+                                                          static_cast<double>(disparityOf(tile, vertex)));
+            least = glm::min(least, p), most = glm::max(most, p);
+        }
+    const WorldExtent exact = boxAroundSamples(block, 0), wider = boxAroundSamples(block, 0.1);
+    for (int axis = 0; axis < 3; ++axis) {
+        EXPECT_NEAR(exact.least[axis], least[axis], 1e-9);
+        EXPECT_NEAR(exact.most[axis], most[axis], 1e-9);
+        EXPECT_LT(wider.least[axis], least[axis]);
+        EXPECT_GT(wider.most[axis], most[axis]);
+    }
+    EXPECT_NEAR(wider.most.z - 7, (most.z - 7) / 0.9, 1e-9) << "by disparity, the farthest goes farther";
+    EXPECT_FALSE(boxAroundSamples({}, 0).isFinite()) << "around nothing";
+    image.disparity(40, 20) = 0, image.flags(40, 20) = 0;
+    const TileSet withSky = cutIntoTiles(image);
+    EXPECT_FALSE(boxAroundSamples(lend(withSky, image.camera, image.worldFromCamera), 0).isFinite()) << "sky";
+}
+
 INSTANTIATE_TEST_SUITE_P(TileSizes, CutIntoTiles, testing::Values(1, 7, 32, 63), testing::PrintToStringParamName());
 
 } // namespace

@@ -2,6 +2,8 @@
 
 #include "tests/scene/known_scenes.h"
 
+#include <set>
+
 #include <gtest/gtest.h>
 
 namespace scene {
@@ -78,12 +80,30 @@ TEST(Contradiction, EachOfSeveralIsNamedTheWorstFirst) {
 
 TEST(Contradiction, WhomOnlyAWrongOneContradictsIsNotNamed) {
     std::vector<SkinFigures> figures = agreeing(6, 8);
-    figures[6].words = {{7, 5, 95}, {0, 20, 0}}; // right: the wrong one is most of what it knows
+    figures[6].words = {{7, 5, 95}, {0, 20, 1}}; // right: the wrong one is most of what it knows
     figures[7].words = {{1, 60, 60}};
     const std::vector<Contradiction> found = findContradictions(figures);
     ASSERT_EQ(found.size(), 1u);
     EXPECT_EQ(found.front().image, 7u);
     EXPECT_DOUBLE_EQ(found.front().share, 155.0 / 220);
+    figures[6].words = {{7, 5, 95}, {0, 3, 1}}; // without the wrong one hardly anything is said of it
+    ASSERT_EQ(findContradictions(figures).size(), 1u);
+    EXPECT_EQ(findContradictions(figures).front().image, 7u);
+}
+
+TEST(Contradiction, WhomSeveralWrongOnesContradictIsNotNamedForThem) {
+    std::vector<SkinFigures> figures = agreeing(6, 8);
+    figures[6].words = {{0, 5, 95}};
+    figures[7].words = {{0, 5, 95}};
+    const auto namesOf = [&] {
+        std::set<std::size_t> names;
+        for (const Contradiction& contradiction : findContradictions(figures))
+            names.insert(contradiction.image);
+        return names;
+    };
+    EXPECT_EQ(namesOf(), (std::set<std::size_t>{6, 7}));
+    figures[7].words = {{0, 20, 80}, {1, 20, 80}};
+    EXPECT_EQ(namesOf(), (std::set<std::size_t>{6, 7}));
 }
 
 TEST(Contradiction, TwoThatNobodyCanTellApartHideNoOther) {
