@@ -3,10 +3,10 @@
 // space that no image observed, its surfaces are never drawn, and need not be asked for. Rooms behind walls, floors
 // above floors.
 //
-//     +-----------+   +---------+     e: the eye. Rays go on along each axis or back, never both, and end where a cell
-//     | . . . . . |###| # # # # |     is unseen all through (#). What no such way leads to (x) is seen from nowhere
-//     about | . e . . . . . . # # x x |     the eye: a sweep over the grid for each of the eight octants finds all ways
-//     at | . . . . . |###| . # # x |     once, sixty-four cells of a row at a time.
+//     +-----------+   +---------+     e: the eye. Rays go on along each axis or back, never both, and end where a
+//     | . . . . . |###| # # # # |     cell is unseen all through (#). What no such way leads to (x) is seen from
+//     | . e . . . . . . # # x x |     nowhere about the eye: a sweep over the grid for each of the eight octants
+//     | . . . . . |###| . # # x |     finds all ways at once, sixty-four cells of a row at a time.
 //     +-----------+   +---------+
 //
 // Of cells and portals (Teller and Sequin, "Visibility preprocessing for interactive walkthroughs", 1991) what needs
