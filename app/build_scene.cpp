@@ -91,7 +91,7 @@ void sayWhichStandAlone(const Overlaps& overlaps, const SkinStage& skins, scene:
                  " % is that somebody saw through them. " +
                  pick(contradicted,
                       "Its pose, focal length or range is wrong: correct it, or leave the photograph out.",
-                      "Their poses, focal lengths or ranges are wrong: correct them, or leave these photographs out."));
+                      "Pose, focal length or range of each is wrong: correct it, or leave these photographs out."));
     if (!unseen.empty())
         tell(capture, "No other photograph of the scene shows, even roughly, what " + someOf(unseen) +
                           pick(unseen, " shows: nothing tells whether it stands where it is said to.",
