@@ -33,6 +33,9 @@ struct DeviceScene {
     std::unique_ptr<render::GpuScene> images;
     std::unique_ptr<render::GpuCoverage> coverage; ///< null if the scene has none, or the device no room for it
     std::unique_ptr<render::GpuPolygons> polygons; ///< null if there are none
+
+    /// What of the scene need not be brought, since the unseen hides it; null: nothing.
+    render::UnseenGrid unseenGrid() const { return coverage ? coverage->openGrid() : nullptr; }
 };
 
 /// Throws scene::Failure, render::OutOfMemory or render::DeviceLost.

@@ -72,12 +72,13 @@ class GpuScene {
     /// Grows whenever a frame may show other samples than the one before, from the same place.
     std::uint64_t changes() const { return changes_ + (stream_ ? stream_->changes() : 0); }
 
-    /// Before each frame that these eyes get (see TileStream); nothing to do where all is there.
-    void follow(std::span<const scene::View> eyes, const Quality& quality) {
-        if (stream_) stream_->follow({eyes, quality, soon_}, places_);
+    /// Before each frame that these eyes get (see TileStream); nothing to do where all is there. unseen: what may hide
+    /// samples from them.
+    void follow(std::span<const scene::View> eyes, const Quality& quality, const UnseenGrid& unseen = {}) {
+        if (stream_) stream_->follow({eyes, quality, soon_}, unseen, places_);
     }
-    void settle(std::span<const scene::View> eyes, const Quality& quality) {
-        if (stream_) stream_->settle({eyes, quality, shares_}, places_);
+    void settle(std::span<const scene::View> eyes, const Quality& quality, const UnseenGrid& unseen = {}) {
+        if (stream_) stream_->settle({eyes, quality, shares_}, unseen, places_);
     }
 
     /// Chunks found damaged since the last call: placeholders are drawn for them, of class unseen.

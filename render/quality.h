@@ -74,6 +74,9 @@ struct Quality {
     /// Where no image ever looked is shown as unseen, in a scene that knows (GpuCoverage). False: as emptiness.
     bool showUnseen = true;
 
+    /// Whether nobody is to look for what stands behind the unseen.
+    bool leavesOutBehindUnseen() const { return showUnseen && leavesOutHidden; }
+
     /// What was not measured is told by a tint: filled pixels orange, those where nothing was seen violet.
     bool marksUnmeasured = false;
 

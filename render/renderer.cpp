@@ -244,11 +244,11 @@ bool Renderer::unite(const Quality& quality, std::size_t slot, FrameStats& stats
 }
 
 void Renderer::findWays(std::span<const scene::View> views, const Quality& quality) {
-    if (coverage_ == nullptr || !quality.showUnseen || !quality.leavesOutHidden) return ways_.forget();
+    if (coverage_ == nullptr || !quality.leavesOutBehindUnseen()) return ways_.forget();
     std::vector<glm::dvec3> eyes;
     for (const scene::View& view : views)
         eyes.push_back(view.worldFromEye.translation);
-    ways_.standAt(coverage_->openGrid(), eyes);
+    ways_.standAt(*coverage_->openGrid(), eyes);
 }
 
 bool Renderer::leavesOutHidden(const Quality& quality) const {

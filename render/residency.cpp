@@ -1,6 +1,7 @@
 #include "render/residency.h"
 
 #include "render/shaders/shared/detail.h"
+#include "render/source_views.h"
 
 #include <glm/geometric.hpp>
 #include <tbb/parallel_for.h>
@@ -14,6 +15,9 @@ namespace render {
 namespace {
 
 constexpr double kInView = 8;         ///< how much more a chunk is wanted that is looked at
+constexpr double kLeast = 1e-12; ///< whatever is wanted at all is so by this
+/// How much less a chunk is wanted that unseen space hides: after all others, since doors are only some steps away.
+constexpr double kBehindUnseen = 1e-15;
 constexpr double kTurnRadians = 0.35; ///< so far beyond the edge counts as looked at: heads turn
 /// Of the width that is asked for: where all samples are narrower, the coarser level is drawn alone (shared/detail.h).
 constexpr double kReplacedWhole =
@@ -55,7 +59,20 @@ double wantOf(const SceneIndex& index, const IndexedChunk& chunk, const scene::V
     }
     const double warped = widest * quality.resolutionScale;                              // pixels
     if (image.hasCoarser && warped < kReplacedWhole * detailPixelsOf(quality)) return 0; // the coarser level suffices
-    return std::clamp(pixels, 1e-12, kMostPixels) * (isInView ? kInView : 1);
+    return std::clamp(pixels, kLeast, kMostPixels) * (isInView ? kInView : 1);
+}
+
+/// beside: of the eye whose rays pass farthest beside what they show.
+bool isBehindUnseen(const scene::WorldExtent& box, const scene::OpenWays& ways, double beside) {
+    return box.isFinite() && !ways.mayMeet(box.least, box.most, beside);
+}
+
+/// By captured image, whether unseen space hides all of it.
+std::vector<std::uint8_t> imagesBehindUnseen(const SceneIndex& index, const scene::OpenWays& ways, double beside) {
+    std::vector<std::uint8_t> hidden(index.capturedImages, 0);
+    tbb::parallel_for(std::size_t{0}, hidden.size(),
+                      [&](std::size_t i) { hidden[i] = isBehindUnseen(index.spheres[i].box, ways, beside) ? 1 : 0; });
+    return hidden;
 }
 
 } // namespace
@@ -103,10 +120,22 @@ std::vector<std::uint32_t> chunksToKeep(const SceneIndex& index, std::size_t bud
 
 std::vector<std::uint32_t> chunksWanted(const SceneIndex& index, const CoarserChunks& coarser, const LookedAt& looked) {
     std::vector<double> wants(index.chunks.size(), 0.0);
+    const bool mayHide = looked.ways != nullptr && looked.ways->isKnown();
+    double beside = 0;
+    for (const scene::View& eye : looked.eyes)
+        beside = std::max(beside, besideRay(eye, looked.quality));
+    const std::vector<std::uint8_t> hidden =
+        mayHide ? imagesBehindUnseen(index, *looked.ways, beside) : std::vector<std::uint8_t>(index.capturedImages, 0);
     tbb::parallel_for(std::size_t{0}, wants.size(), [&](std::size_t i) {
-        if (!looked.shares.empty() && looked.shares[index.chunks[i].captured] <= 0) return;
+        const IndexedChunk& chunk = index.chunks[i];
+        if (!looked.shares.empty() && looked.shares[chunk.captured] <= 0) return;
         for (const scene::View& eye : looked.eyes)
-            wants[i] = std::max(wants[i], wantOf(index, index.chunks[i], eye, looked.quality));
+            wants[i] = std::max(wants[i], wantOf(index, chunk, eye, looked.quality));
+        if (wants[i] <= 0 || !mayHide) return;
+        const bool isBounded = std::isfinite(chunk.radius);
+        if (hidden[chunk.captured] != 0 ||
+            (isBounded && isBehindUnseen({chunk.least, chunk.most}, *looked.ways, beside)))
+            wants[i] *= kBehindUnseen;
     });
     // Chunks of a block ascend by level, so that what stands for a chunk comes later.
     for (std::uint32_t i = 0; i < wants.size(); ++i)

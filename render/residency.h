@@ -3,6 +3,7 @@
 
 #include "render/quality.h"
 #include "render/scene_index.h"
+#include "scene/open_ways.h"
 #include "scene/view.h"
 
 #include <cstddef>
@@ -33,10 +34,11 @@ struct LookedAt {
     std::span<const scene::View> eyes;
     const Quality& quality;
     std::span<const float> shares; ///< of the captured images' samples; 0: nothing of it is drawn; empty: all of all
+    const scene::OpenWays* ways = nullptr; ///< from these eyes past the unseen; null: it hides nothing
 };
 
 /// All chunks that these eyes want, most wanted first: those whose samples are seen widest, by pixels; those in view
-/// before others. A chunk never comes before what stands for it. Wanted is what may be drawn at this quality from
+/// before others, and what unseen space hides last of all. A chunk never comes before what stands for it. Wanted is what may be drawn at this quality from
 /// there, whichever way the eyes turn.
 std::vector<std::uint32_t> chunksWanted(const SceneIndex& index, const CoarserChunks& coarser, const LookedAt& looked);
 

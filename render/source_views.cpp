@@ -64,8 +64,9 @@ SourceView levelOf(const SourceView& captured, const ResidentImage& level) {
     return view;
 }
 
-/// Metres for each metre of distance: by so much the ray of a pixel may pass beside a sample that is seen there, since
-/// samples are drawn wider than they are and fill holes beside them; and so far behind what was observed may a surface
+} // namespace
+
+/// Samples are drawn wider than they are and fill holes beside them; and so far behind what was observed may a surface
 /// stand that counts as before it. What stands in for finer samples may be wider: it is not to be seen where they are
 /// not.
 double besideRay(const scene::View& eye, const Quality& quality) {
@@ -73,8 +74,6 @@ double besideRay(const scene::View& eye, const Quality& quality) {
     return (marginOf(quality, false) + quality.holes.radius + kRoundedPixels) / std::min(eye.camera.fx, eye.camera.fy) +
            scene::kSurfaceSlack;
 }
-
-} // namespace
 
 void findSourceViews(const SceneIndex& scene, const scene::View& eye, const Quality& quality, double marginPixels,
                      std::span<const float> shares, const scene::OpenWays& ways, SourceViews& views) {

@@ -33,6 +33,9 @@ struct SourceViews {
     std::uint32_t behindUnseen = 0; ///< captured images in view that unseen space hides
 };
 
+/// Metres for each metre of distance: by so much the ray of a pixel may pass beside a sample that is seen there.
+double besideRay(const scene::View& eye, const Quality& quality);
+
 /// Passes over what lies beside the eye's picture or behind it (as far outside as marginPixels counts as within), and
 /// what no open way leads to. shares: of the captured images' samples, as many as are drawn; or none: all.
 void findSourceViews(const SceneIndex& scene, const scene::View& eye, const Quality& quality, double marginPixels,

@@ -66,7 +66,7 @@ TileStream::~TileStream() {
     if (copy_ && !copy_->running.empty()) static_cast<void>(vkDeviceWaitIdle(device_));
 }
 
-void TileStream::follow(const LookedAt& looked, std::span<ChunkPlace> places) {
+void TileStream::follow(const LookedAt& looked, const UnseenGrid& unseen, std::span<ChunkPlace> places) {
     ++frame_;
     if (std::exchange(showsOnlyDesired_, false)) {
         ++changes_;
@@ -79,12 +79,12 @@ void TileStream::follow(const LookedAt& looked, std::span<ChunkPlace> places) {
     }
     takeOver(places, false);
     copyArrived(places);
-    wish(looked, false);
+    wish(looked, unseen, false);
 }
 
-void TileStream::settle(const LookedAt& looked, std::span<ChunkPlace> places) {
+void TileStream::settle(const LookedAt& looked, const UnseenGrid& unseen, std::span<ChunkPlace> places) {
     ++frame_;
-    const std::uint64_t number = wish(looked, true);
+    const std::uint64_t number = wish(looked, unseen, true);
     for (;;) {
         takeOver(places, true);
         while (copy_ && (!toCopy_.empty() || !copy_->running.empty())) {
@@ -105,13 +105,14 @@ void TileStream::settle(const LookedAt& looked, std::span<ChunkPlace> places) {
     }
 }
 
-std::uint64_t TileStream::wish(const LookedAt& looked, bool isSettling) {
+std::uint64_t TileStream::wish(const LookedAt& looked, const UnseenGrid& unseen, bool isSettling) {
     std::uint64_t number = 0;
     {
         const std::lock_guard lock(mutex_);
         wish_.eyes.assign(looked.eyes.begin(), looked.eyes.end());
         wish_.quality = looked.quality;
         wish_.shares.assign(looked.shares.begin(), looked.shares.end());
+        wish_.unseen = looked.quality.leavesOutBehindUnseen() ? unseen : nullptr;
         wish_.isSettling = isSettling;
         number = ++wish_.number;
         hasNews_ = true;
@@ -212,7 +213,9 @@ void TileStream::work() {
         }
         const Wish wish = wish_;
         if (wish.number == 0) continue;
-        if (!wish.isSettling && fulfilled_ && wantAboutTheSame(wish.looked(), fulfilled_->looked())) continue;
+        if (!wish.isSettling && fulfilled_ && wish.unseen == fulfilled_->unseen &&
+            wantAboutTheSame(wish.looked(), fulfilled_->looked()))
+            continue;
         fulfilled_.reset(); // what it has there may have to leave
         lock.unlock();
         serve(wish);
@@ -255,8 +258,20 @@ void TileStream::serve(const Wish& wish) {
     served_.notify_all();
 }
 
-TileStream::Choice TileStream::choose(const Wish& wish) const {
-    Choice choice{chunksWanted(index_, coarser_, wish.looked()), 0};
+void TileStream::findWays(const Wish& wish) {
+    // What is found holds for some steps about: which, must not hang on where the eyes were before.
+    if (wish.isSettling || wish.unseen != waysIn_) ways_.forget();
+    waysIn_ = wish.unseen;
+    if (!waysIn_) return;
+    std::vector<glm::dvec3> eyes;
+    for (const scene::View& eye : wish.eyes)
+        eyes.push_back(eye.worldFromEye.translation);
+    ways_.standAt(*waysIn_, eyes);
+}
+
+TileStream::Choice TileStream::choose(const Wish& wish) {
+    findWays(wish);
+    Choice choice{chunksWanted(index_, coarser_, wish.looked(&ways_)), 0};
     std::erase_if(choice.wanted, [&](std::uint32_t chunk) { return states_[chunk] == State::kept; });
     std::uint64_t texels = 0;
     for (const std::uint32_t chunk : choice.wanted) {

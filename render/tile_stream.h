@@ -27,6 +27,9 @@ struct StreamCounts {
     std::size_t bytesThere = 0;                          ///< of those that come and go
 };
 
+/// Null where nothing is known of the unseen, or nobody is shown it.
+using UnseenGrid = std::shared_ptr<const scene::OpenGrid>;
+
 class TileStream {
   public:
     /// All must outlive it. kept: chunks that are in their places and stay there. free: what is left of each page of
@@ -39,11 +42,12 @@ class TileStream {
 
     /// Once before each frame, by the thread that draws: takes over what has arrived, gives back what nobody may be
     /// reading any more, and says what the eyes now look at. Never waits for the disk.
-    void follow(const LookedAt& looked, std::span<ChunkPlace> places);
+    /// unseen: what may hide chunks; null: nothing does.
+    void follow(const LookedAt& looked, const UnseenGrid& unseen, std::span<ChunkPlace> places);
 
     /// Waits until all is there that these eyes want and that fits, and shows just that, so that what is drawn depends
     /// on the eyes alone. No frame may be running on the device.
-    void settle(const LookedAt& looked, std::span<ChunkPlace> places);
+    void settle(const LookedAt& looked, const UnseenGrid& unseen, std::span<ChunkPlace> places);
 
     /// Chunks that were found damaged since the last call, and are drawn as placeholders.
     std::vector<std::uint32_t> takeDamaged();
@@ -66,15 +70,16 @@ class TileStream {
         std::vector<scene::View> eyes;
         Quality quality;
         std::vector<float> shares;
+        UnseenGrid unseen;
         std::uint64_t number = 0;
         bool isSettling = false;
 
-        LookedAt looked() const { return {eyes, quality, shares}; }
+        LookedAt looked(const scene::OpenWays* ways = nullptr) const { return {eyes, quality, shares, ways}; }
     };
     struct Copy; ///< what goes through a staging buffer
 
     // The thread that draws.
-    std::uint64_t wish(const LookedAt& looked, bool isSettling);
+    std::uint64_t wish(const LookedAt& looked, const UnseenGrid& unseen, bool isSettling);
     void takeOver(std::span<ChunkPlace> places, bool isIdle);
     void copyArrived(std::span<ChunkPlace> places);
 
@@ -85,7 +90,8 @@ class TileStream {
         std::vector<std::uint32_t> wanted; ///< most wanted first
         std::size_t count = 0;             ///< of the first that fit
     };
-    Choice choose(const Wish& wish) const;
+    Choice choose(const Wish& wish);
+    void findWays(const Wish& wish);
     bool makeRoom(const Choice& choice, std::uint64_t texels);
     void askToLeave(const Choice& choice);
     bool load(std::uint32_t chunk);
@@ -108,6 +114,8 @@ class TileStream {
 
     // Of the thread that streams.
     std::vector<RangeAllocator> free_;
+    scene::OpenWays ways_;
+    UnseenGrid waysIn_; ///< the grid that they were found in
     std::uint64_t startedOver_ = 0; ///< number of the last wish for which all was thrown away
 
     // Under the mutex.

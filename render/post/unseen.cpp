@@ -29,7 +29,7 @@ constexpr float kSkyDepth = 1e6f;
 
 GpuCoverage::GpuCoverage(const Device& device, const scene::Coverage& coverage)
     : cornerInWorld_(coverage.cornerInWorld), edgeMetres_(coverage.edgeMetres), levels_(scene::levelsOf(coverage)),
-      finestCellMetres_(scene::finestCellOf(coverage)), openGrid_(coverage),
+      finestCellMetres_(scene::finestCellOf(coverage)), openGrid_(std::make_shared<const scene::OpenGrid>(coverage)),
       layout_(makeSetLayout(device, kUnseenBindings)) {
     const std::vector<CoverageTexel> texels = coverageTexels(coverage);
     if (texels.size() > device.limits().maxTexelBufferElements)

@@ -10,6 +10,8 @@
 #include "scene/open_ways.h"
 #include "scene/view.h"
 
+#include <memory>
+
 namespace render {
 
 /// What was observed of a scene, on the device.
@@ -26,14 +28,15 @@ class GpuCoverage {
     double finestCellMetres() const { return finestCellMetres_; }
     bool hasDivided() const { return texels_.size() / sizeof(CoverageTexel) > kFirstCoverageNode; } ///< voxels
     std::size_t bytes() const { return texels_.size(); }
-    const scene::OpenGrid& openGrid() const { return openGrid_; } ///< on the processor: what it may hide
+    /// On the processor: what it may hide. May outlive what is on the device.
+    const std::shared_ptr<const scene::OpenGrid>& openGrid() const { return openGrid_; }
 
   private:
     glm::dvec3 cornerInWorld_;
     double edgeMetres_;
     int levels_;
     double finestCellMetres_;
-    scene::OpenGrid openGrid_;
+    std::shared_ptr<const scene::OpenGrid> openGrid_;
     Buffer texels_;
     BufferView view_;
     VkDescriptorSetLayout layout_ = VK_NULL_HANDLE;

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <array>
+#include <functional>
 #include <numbers>
 
 namespace render {
@@ -21,6 +22,17 @@ struct TwoRooms {
     glm::dvec3 other{0}; ///< the middle of the second, from that of the first
 };
 
+std::vector<scene::TileBlock> twice(std::vector<scene::TileBlock> blocks, const glm::dvec3& other) {
+    const std::size_t count = blocks.size();
+    for (std::size_t i = 0; i < count; ++i) {
+        scene::TileBlock block = blocks[i];
+        block.worldFromCamera.translation += other;
+        block.samplesInWorld.least += other, block.samplesInWorld.most += other;
+        blocks.push_back(block);
+    }
+    return blocks;
+}
+
 /// cubes: of coverage, from one room to the other.
 TwoRooms twoRooms(int cubes) {
     TwoRooms rooms;
@@ -30,13 +42,7 @@ TwoRooms twoRooms(int cubes) {
     rooms.other = glm::dvec3(cubes * part.edgeMetres, 0, 0);
     rooms.coverage =
         coverageManyTimes(part, {{0, 1, 1}, {cubes, 1, 1}}, part.cornerInWorld - part.edgeMetres * glm::dvec3(0, 1, 1));
-    rooms.blocks = rooms.room.blocks();
-    for (std::size_t i = 0; i < rooms.room.images.size(); ++i) {
-        scene::TileBlock block = rooms.blocks[i];
-        block.worldFromCamera.translation += rooms.other;
-        block.samplesInWorld.least += rooms.other, block.samplesInWorld.most += rooms.other;
-        rooms.blocks.push_back(block);
-    }
+    rooms.blocks = twice(rooms.room.blocks(), rooms.other);
     return rooms;
 }
 
@@ -155,6 +161,67 @@ TEST_F(BehindThinWalls, BlendingAndInterpolatingTakeNothingFromTheOtherRoom) {
         }
     EXPECT_EQ(others, 0);
     EXPECT_LT(kept, 0.85 * all) << "nothing was hidden: this tests nothing";
+}
+
+TEST_F(BehindUnseen, TheStreamBringsItLast) {
+    const CutScene inLevels = cutInLevels(rooms_.room.images);
+    const std::vector<scene::TileBlock> blocks = twice(inLevels.blocks(), rooms_.other);
+    // Towards the other room, with the wall between; of one's own room nearly all is beside the picture.
+    const scene::View eye{cameraOf(160, 120, 0.6), poseAt({-1, 0.1, 0.1}, std::numbers::pi / 2, 0)};
+    SceneIndex index(blocks, 40000);
+    index.findFiner();
+    const CoarserChunks coarser = coarserChunksOf(index);
+    scene::OpenWays ways;
+    ASSERT_TRUE(ways.standAt(*coverage_.openGrid(), std::array{eye.worldFromEye.translation}));
+    const Quality quality;
+    const std::vector<std::uint32_t> all = chunksWanted(index, coarser, {{&eye, 1}, quality, {}}),
+                                     ordered = chunksWanted(index, coarser, {{&eye, 1}, quality, {}, &ways});
+    const auto isOfOther = [&](std::uint32_t chunk) { return index.chunks[chunk].captured >= blocks.size() / 2; };
+    EXPECT_EQ(ordered.size(), all.size()) << "nothing is forgotten";
+    EXPECT_TRUE(std::is_partitioned(ordered.begin(), ordered.end(), std::not_fn(isOfOther)));
+    EXPECT_FALSE(std::is_partitioned(all.begin(), all.end(), std::not_fn(isOfOther))) << "else this tests nothing";
+    for (const auto& wanted : {all, ordered}) {
+        std::vector<std::size_t> rank(index.chunks.size(), wanted.size());
+        for (std::size_t i = 0; i < wanted.size(); ++i)
+            rank[wanted[i]] = i;
+        for (std::uint32_t chunk = 0; chunk < index.chunks.size(); ++chunk)
+            for (const std::uint32_t standIn : coarser.of(chunk))
+                EXPECT_TRUE(rank[chunk] == wanted.size() || rank[standIn] < rank[chunk]);
+    }
+}
+
+TEST_F(BehindUnseen, TheStreamHasRoomForOnesOwnRoom) {
+    const CutScene inLevels = cutInLevels(rooms_.room.images);
+    const std::vector<scene::TileBlock> blocks = twice(inLevels.blocks(), rooms_.other);
+    const std::size_t bytes = GpuScene(testDevice(), blocks).bytesResident();
+    const scene::View eye{cameraOf(160, 120, 0.6), poseAt({-1, 0.1, 0.1}, std::numbers::pi / 2, 0)},
+        elsewhere{eye.camera, poseAt(rooms_.other, 1, 0)};
+    for (const bool isStaged : {false, true}) {
+        const auto makeScene = [&] { return GpuScene(testDevice(), blocks, {.budgetBytes = 5 * bytes / 8, .isStaged = isStaged}); };
+        const auto missingOf = [&](const GpuScene& part) {
+            std::size_t missing = 0;
+            for (std::size_t i = 0; i < part.places().size(); ++i)
+                missing += part.index().chunks[i].captured < blocks.size() / 2 && !part.places()[i].isThere() ? 1 : 0;
+            return missing;
+        };
+        GpuScene part = makeScene();
+        ASSERT_TRUE(part.isStreamed());
+        Quality quality;
+        part.settle({&eye, 1}, quality);
+        EXPECT_GT(missingOf(part), 0u) << "else there is room for all";
+        part.settle({&eye, 1}, quality, coverage_.openGrid());
+        EXPECT_EQ(missingOf(part), 0u) << "whichever way one turns, all of this room is there";
+        const EyeImage first = drawOnce(part, eye, quality);
+        // What was looked at before makes no difference, not even from a step aside.
+        part.settle({&elsewhere, 1}, quality, coverage_.openGrid());
+        EXPECT_GT(missingOf(part), 0u);
+        part.settle({&eye, 1}, quality, coverage_.openGrid());
+        EXPECT_EQ(missingOf(part), 0u);
+        EXPECT_TRUE(isSame(drawOnce(part, eye, quality), first));
+        quality.showUnseen = false;
+        part.settle({&eye, 1}, quality, coverage_.openGrid());
+        EXPECT_GT(missingOf(part), 0u) << "where the unseen is not shown it hides nothing";
+    }
 }
 
 TEST_F(BehindUnseen, FramesThatStandAreDrawnAnewWhenWhatHidTheRestIsGone) {
