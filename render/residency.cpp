@@ -14,7 +14,7 @@ namespace render {
 
 namespace {
 
-constexpr double kInView = 8;         ///< how much more a chunk is wanted that is looked at
+constexpr double kInView = 8;    ///< how much more a chunk is wanted that is looked at
 constexpr double kLeast = 1e-12; ///< whatever is wanted at all is so by this
 /// How much less a chunk is wanted that unseen space hides: after all others, since doors are only some steps away.
 constexpr double kBehindUnseen = 1e-15;

@@ -38,8 +38,8 @@ struct LookedAt {
 };
 
 /// All chunks that these eyes want, most wanted first: those whose samples are seen widest, by pixels; those in view
-/// before others, and what unseen space hides last of all. A chunk never comes before what stands for it. Wanted is what may be drawn at this quality from
-/// there, whichever way the eyes turn.
+/// before others, and what unseen space hides last of all. A chunk never comes before what stands for it. Wanted is
+/// what may be drawn at this quality from there, whichever way the eyes turn.
 std::vector<std::uint32_t> chunksWanted(const SceneIndex& index, const CoarserChunks& coarser, const LookedAt& looked);
 
 /// Whether two looks want so nearly the same that there is no need to ask again: heads are never quite still.

@@ -115,7 +115,7 @@ class TileStream {
     // Of the thread that streams.
     std::vector<RangeAllocator> free_;
     scene::OpenWays ways_;
-    UnseenGrid waysIn_; ///< the grid that they were found in
+    UnseenGrid waysIn_;             ///< the grid that they were found in
     std::uint64_t startedOver_ = 0; ///< number of the last wish for which all was thrown away
 
     // Under the mutex.

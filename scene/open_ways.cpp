@@ -2,46 +2,38 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <glm/vector_relational.hpp>
 #include <tbb/parallel_invoke.h>
 
 namespace scene {
 
 namespace {
 
-using Row = OpenGrid::Row;
-
 /// About an eye, in which it may move before all is found anew: metres, as far as that is so many cells.
 constexpr double kPlaceMetres = 0.2, kLeastPlace = 2, kMostPlace = 8;
 constexpr double kBesideFace = 0.01; ///< cells: whoever is so near to a face counts as on both sides of it
 constexpr double kLeastPart = 8;     ///< cells: smaller parts of a box are not asked about one by one
-constexpr int kBlock = 4, kBlocksAcross = kOpenGridAcross / kBlock;
+constexpr int kLast = kOpenCellsAcross - 1;
+constexpr int kFinerAcross = kOpenCellsAcross / kCoverageBranching; ///< cells of a layer that the next one takes up
 
-std::uint64_t mirrored(std::uint64_t w) {
-    const auto swap = [&](int by, std::uint64_t mask) { w = ((w >> by) & mask) | ((w & mask) << by); };
-    swap(1, 0x5555555555555555), swap(2, 0x3333333333333333), swap(4, 0x0f0f0f0f0f0f0f0f);
-    return __builtin_bswap64(w);
-}
-
-Row mirrored(const Row& row) {
-    Row turned;
-    for (std::size_t i = 0; i < row.size(); ++i)
-        turned[i] = mirrored(row[row.size() - 1 - i]);
-    return turned;
-}
-
-bool isEmpty(const Row& row) {
+bool isEmpty(const CellRow& row) {
     std::uint64_t any = 0;
     for (const std::uint64_t word : row)
         any |= word;
     return any == 0;
 }
 
+CellRow operator|(const CellRow& a, const CellRow& b) {
+    return {a[0] | b[0], a[1] | b[1], a[2] | b[2], a[3] | b[3]};
+}
+
 /// Each cell, and the one after it.
-Row spread(const Row& row) {
-    Row wider;
+CellRow spread(const CellRow& row) {
+    CellRow wider;
     std::uint64_t carried = 0;
     for (std::size_t i = 0; i < row.size(); ++i) {
         wider[i] = row[i] | row[i] << 1 | carried;
@@ -52,8 +44,8 @@ Row spread(const Row& row) {
 
 /// From cells of the row along x as far as it is open. An addition carries through what is open and stops at what is
 /// not.
-Row filled(const Row& from, const Row& open) {
-    Row all;
+CellRow filled(const CellRow& from, const CellRow& open) {
+    CellRow all;
     std::uint64_t carry = 0;
     for (std::size_t i = 0; i < from.size(); ++i) {
         const std::uint64_t start = from[i] & open[i], half = open[i] + start, sum = half + carry;
@@ -61,6 +53,16 @@ Row filled(const Row& from, const Row& open) {
         all[i] = ((sum ^ open[i]) | start) & open[i];
     }
     return all;
+}
+
+/// Sixty-four cells of a row, from the first on.
+CellRow cellsFrom(int first, std::uint64_t bits) {
+    CellRow row{};
+    const auto word = static_cast<std::size_t>(first) / 64;
+    const int shift = first % 64;
+    row[word] = bits << shift;
+    if (shift > 0) row[word + 1] = bits >> (64 - shift);
+    return row;
 }
 
 /// A bit for each four of a word.
@@ -78,113 +80,134 @@ std::uint64_t bitsFrom(int first, int last) {
     return (~std::uint64_t{0} << first) & (~std::uint64_t{0} >> (63 - last));
 }
 
-} // namespace
-
-OpenGrid::OpenGrid(const Coverage& coverage)
-    : cornerInWorld_(coverage.cornerInWorld), cellMetres_(coverage.edgeMetres / kOpenGridAcross),
-      open_(std::size_t{kOpenGridAcross} * kOpenGridAcross), mirrored_(open_.size()), clear_(open_.size()) {
-    openCells(coverage, 0, {0, 0, 0}, kOpenGridAcross);
-    std::transform(open_.begin(), open_.end(), mirrored_.begin(), [](const Row& row) { return mirrored(row); });
-}
-
-void OpenGrid::openCells(const Coverage& coverage, std::size_t index, const GridCell& first, int edge) {
-    const CoverageNode& node = coverage.nodes[index];
-    const int cell = edge / kCoverageBranching;
-    for (int bit = 0; bit < 64; ++bit) {
-        const std::uint64_t mask = coverageMask(bit);
-        if ((node.unseen & mask) != 0) continue;
-        const GridCell at{first[0] + bit % 4 * cell, first[1] + bit / 4 % 4 * cell, first[2] + bit / 16 * cell};
-        const bool isDivided = (node.children & mask) != 0;
-        if (isDivided && cell > 1) {
-            openCells(coverage, node.firstChild + childRank(node.children, bit), at, cell);
-            continue;
-        }
-        fill(open_, at, cell);
-        if (!isDivided) fill(clear_, at, cell);
-    }
-}
-
-void OpenGrid::fill(std::vector<Row>& rows, const GridCell& first, int edge) {
-    for (int z = first[2]; z < first[2] + edge; ++z)
-        for (int y = first[1]; y < first[1] + edge; ++y)
-            for (int x = first[0]; x < first[0] + edge; ++x)
-                rows[rowOf(y, z)][static_cast<std::size_t>(x) / 64] |= std::uint64_t{1} << (x % 64);
-}
-
-bool OpenGrid::holds(const std::vector<Row>& rows, const GridCell& cell) {
-    if (std::any_of(cell.begin(), cell.end(), [](int at) { return at < 0 || at >= kOpenGridAcross; })) return false;
-    return (rows[rowOf(cell[1], cell[2])][static_cast<std::size_t>(cell[0]) / 64] >> (cell[0] % 64) & 1) != 0;
-}
-
-namespace {
-
 GridCell cellOf(const glm::dvec3& inCells) {
     // What is too far away for an int is outside all the same.
     const glm::dvec3 at = glm::clamp(glm::floor(inCells), -1e6, 1e6);
     return {static_cast<int>(at.x), static_cast<int>(at.y), static_cast<int>(at.z)};
 }
 
+/// Right beside a place, on all sides.
+std::array<glm::dvec3, 8> beside(const glm::dvec3& p, double by) {
+    std::array<glm::dvec3, 8> corners;
+    for (std::size_t i = 0; i < corners.size(); ++i)
+        corners[i] = p + by * glm::dvec3((i & 1) != 0 ? 1 : -1, (i & 2) != 0 ? 1 : -1, (i & 4) != 0 ? 1 : -1);
+    return corners;
+}
+
 /// The cells that an eye is in or right beside.
-std::vector<GridCell> cellsAbout(const OpenGrid& grid, const glm::dvec3& eyeInWorld) {
-    const glm::dvec3 inCells = (eyeInWorld - grid.cornerInWorld()) / grid.cellMetres();
+std::vector<GridCell> cellsAbout(const OpenCells& layer, const glm::dvec3& eyeInWorld) {
     std::vector<GridCell> cells;
-    for (int corner = 0; corner < 8; ++corner) {
-        const glm::dvec3 side((corner & 1) != 0 ? 1 : -1, (corner & 2) != 0 ? 1 : -1, (corner & 4) != 0 ? 1 : -1);
-        const GridCell beside = cellOf(inCells + kBesideFace * side);
-        if (std::find(cells.begin(), cells.end(), beside) == cells.end()) cells.push_back(beside);
+    for (const glm::dvec3& corner : beside(layer.inCells(eyeInWorld), kBesideFace)) {
+        const GridCell cell = cellOf(corner);
+        if (std::find(cells.begin(), cells.end(), cell) == cells.end()) cells.push_back(cell);
     }
     return cells;
 }
 
+bool standsClear(const OpenGrid& grid, const glm::dvec3& eyeInWorld) {
+    const std::array<glm::dvec3, 8> corners = beside(eyeInWorld, kBesideFace * grid.finestMetres());
+    return std::all_of(corners.begin(), corners.end(), [&](const glm::dvec3& p) { return grid.isClear(p); });
+}
+
+/// Whether all eyes are far from the rim of a layer, or within it at least.
+bool holds(const OpenCells& layer, std::span<const glm::dvec3> eyesInWorld, int margin) {
+    return std::all_of(eyesInWorld.begin(), eyesInWorld.end(), [&](const glm::dvec3& eye) {
+        for (const GridCell& cell : cellsAbout(layer, eye))
+            if (std::any_of(cell.begin(), cell.end(), [&](int at) { return at < margin || at > kLast - margin; }))
+                return false;
+        return true;
+    });
+}
+
 } // namespace
 
-void OpenWays::forget() {
+void OpenWays::knowNothing() {
     isKnown_ = false;
     isPlace_.clear();
 }
 
-bool OpenWays::areStillWithin(const OpenGrid& grid, std::span<const glm::dvec3> eyesInWorld) const {
+void OpenWays::forget() {
+    knowNothing();
+    layers_.clear();
+}
+
+/// Lays the finer layers about the eyes. Returns whether any is another than before.
+bool OpenWays::centre(const OpenGrid& grid) {
+    const std::size_t before = layers_.size();
+    bool isAnother = layers_.empty();
+    const auto put = [&](std::size_t number, const std::shared_ptr<const OpenCells>& cells) {
+        if (number == layers_.size()) layers_.push_back(std::make_unique<Layer>());
+        layers_[number]->cells = cells;
+        isAnother = true;
+    };
+    if (layers_.empty()) put(0, std::shared_ptr<const OpenCells>(std::shared_ptr<void>{}, &grid.whole()));
+    for (int i = 1; i < grid.layers(); ++i) {
+        const auto number = static_cast<std::size_t>(i);
+        const bool isThere = number < layers_.size();
+        if (!isThere || !holds(*layers_[number]->cells, eyesInWorld_, kOpenCellsAcross / 4)) {
+            const GridCell first = grid.firstAbout(eyesInWorld_.front(), i);
+            if (!isThere || layers_[number]->cells->first() != first)
+                put(number, std::make_shared<const OpenCells>(grid.layer(i, first)));
+        }
+        if (holds(*layers_[number]->cells, eyesInWorld_, 0)) continue;
+        layers_.resize(number); // eyes stand too far apart
+        break;
+    }
+    for (std::size_t i = 0; i + 1 < layers_.size(); ++i) {
+        Part& finer = layers_[i]->finer;
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            finer.low[axis] =
+                layers_[i + 1]->cells->first()[axis] / kCoverageBranching - layers_[i]->cells->first()[axis];
+            finer.high[axis] = finer.low[axis] + kFinerAcross - 1;
+        }
+    }
+    return isAnother || layers_.size() != before;
+}
+
+bool OpenWays::areStillWithin() const {
     const auto isPlace = [&](const GridCell& cell) {
         std::size_t at = 0;
         for (std::size_t axis = 3; axis-- > 0;) {
-            if (cell[axis] < low_[axis] || cell[axis] > high_[axis]) return false;
-            at = at * static_cast<std::size_t>(high_[axis] - low_[axis] + 1) +
-                 static_cast<std::size_t>(cell[axis] - low_[axis]);
+            if (cell[axis] < place_.low[axis] || cell[axis] > place_.high[axis]) return false;
+            at = at * static_cast<std::size_t>(place_.high[axis] - place_.low[axis] + 1) +
+                 static_cast<std::size_t>(cell[axis] - place_.low[axis]);
         }
         return isPlace_[at] != 0;
     };
-    return !isPlace_.empty() && std::all_of(eyesInWorld.begin(), eyesInWorld.end(), [&](const glm::dvec3& eye) {
-        const std::vector<GridCell> cells = cellsAbout(grid, eye);
+    return !isPlace_.empty() && std::all_of(eyesInWorld_.begin(), eyesInWorld_.end(), [&](const glm::dvec3& eye) {
+        const std::vector<GridCell> cells = cellsAbout(*layers_.back()->cells, eye);
         return std::all_of(cells.begin(), cells.end(), isPlace);
     });
 }
 
 /// Where the eyes may move without leaving open space or what is near: cells that hang together with theirs.
-void OpenWays::gatherPlace(const OpenGrid& grid, std::span<const glm::dvec3> eyesInWorld) {
+void OpenWays::gatherPlace() {
+    const OpenCells& layer = *layers_.back()->cells;
     std::vector<GridCell> left;
-    const double cells = std::clamp(kPlaceMetres / grid.cellMetres(), kLeastPlace, kMostPlace);
+    const double cells = std::clamp(kPlaceMetres / layer.cellMetres(), kLeastPlace, kMostPlace);
     const int reach = static_cast<int>(cells);
-    low_ = {kOpenGridAcross, kOpenGridAcross, kOpenGridAcross}, high_ = {-1, -1, -1};
-    for (const glm::dvec3& eye : eyesInWorld)
-        for (const GridCell& cell : cellsAbout(grid, eye)) {
+    GridCell &low = place_.low, &high = place_.high;
+    low = {kOpenCellsAcross, kOpenCellsAcross, kOpenCellsAcross}, high = {-1, -1, -1};
+    for (const glm::dvec3& eye : eyesInWorld_)
+        for (const GridCell& cell : cellsAbout(layer, eye)) {
             left.push_back(cell);
             for (std::size_t axis = 0; axis < 3; ++axis) {
-                low_[axis] = std::clamp(cell[axis] - reach, 0, low_[axis]);
-                high_[axis] = std::clamp(cell[axis] + reach, high_[axis], kOpenGridAcross - 1);
+                low[axis] = std::clamp(cell[axis] - reach, 0, low[axis]);
+                high[axis] = std::clamp(cell[axis] + reach, high[axis], kLast);
             }
         }
     std::array<std::size_t, 3> size{};
     for (std::size_t axis = 0; axis < 3; ++axis)
-        size[axis] = static_cast<std::size_t>(high_[axis] - low_[axis] + 1);
+        size[axis] = static_cast<std::size_t>(high[axis] - low[axis] + 1);
     isPlace_.assign(size[0] * size[1] * size[2], 0);
     while (!left.empty()) {
         const GridCell cell = left.back();
         left.pop_back();
-        bool isWithin = grid.isOpen(cell);
+        bool isWithin = layer.isOpen(cell);
         std::size_t at = 0;
         for (std::size_t axis = 3; axis-- > 0;) {
-            isWithin = isWithin && cell[axis] >= low_[axis] && cell[axis] <= high_[axis];
-            at = at * size[axis] + static_cast<std::size_t>(cell[axis] - low_[axis]);
+            isWithin = isWithin && cell[axis] >= low[axis] && cell[axis] <= high[axis];
+            at = at * size[axis] + static_cast<std::size_t>(cell[axis] - low[axis]);
         }
         if (!isWithin || isPlace_[at] != 0) continue;
         isPlace_[at] = 1;
@@ -196,101 +219,151 @@ void OpenWays::gatherPlace(const OpenGrid& grid, std::span<const glm::dvec3> eye
     }
 }
 
-/// The ways of one octant: on along x in the rows as given, along y and z by steps of one.
-void OpenWays::sweep(const OpenGrid& grid, bool isMirrored, int stepY, int stepZ, std::vector<Row>& reached) const {
-    constexpr int kLast = kOpenGridAcross - 1;
-    const auto placeRow = [&](int y, int z) {
-        Row row{};
-        if (y < low_[1] || y > high_[1] || z < low_[2] || z > high_[2]) return row;
-        const int across = high_[0] - low_[0] + 1;
-        const std::size_t first =
-            (static_cast<std::size_t>(z - low_[2]) * static_cast<std::size_t>(high_[1] - low_[1] + 1) +
-             static_cast<std::size_t>(y - low_[1])) *
-            static_cast<std::size_t>(across);
-        for (int x = 0; x < across; ++x) {
-            if (isPlace_[first + static_cast<std::size_t>(x)] == 0) continue;
-            const int at = isMirrored ? kLast - (low_[0] + x) : low_[0] + x;
-            row[static_cast<std::size_t>(at) / 64] |= std::uint64_t{1} << (at % 64);
-        }
-        return row;
+CellRow OpenWays::placeRow(int y, int z, bool isMirrored) const {
+    CellRow row{};
+    const auto& [low, high] = place_;
+    const auto across = static_cast<std::size_t>(high[0] - low[0] + 1),
+               down = static_cast<std::size_t>(high[1] - low[1] + 1);
+    const std::size_t first =
+        (static_cast<std::size_t>(z - low[2]) * down + static_cast<std::size_t>(y - low[1])) * across;
+    for (int x = low[0]; x <= high[0]; ++x) {
+        if (isPlace_[first + static_cast<std::size_t>(x - low[0])] == 0) continue;
+        const int at = isMirrored ? kLast - x : x;
+        row[static_cast<std::size_t>(at) / 64] |= std::uint64_t{1} << (at % 64);
+    }
+    return row;
+}
+
+/// On along x in the rows as given, along y and z by steps of one, from where the eyes stand or from what the finer
+/// layer found; there its own cells say nothing. found: blocks of what was reached.
+void OpenWays::sweep(Layer& layer, const Octant& octant, const Blocks* finer, Blocks& found) const {
+    const Part& start = finer != nullptr ? layer.finer : place_;
+    const bool isMirrored = octant.isMirrored;
+    const int firstX = isMirrored ? kLast - layer.finer.high[0] : layer.finer.low[0];
+    const CellRow allOfFiner = finer != nullptr ? cellsFrom(firstX, ~std::uint64_t{0}) : CellRow{};
+    const auto startOf = [&](int y, int z) {
+        if (finer == nullptr) return placeRow(y, z, isMirrored);
+        return cellsFrom(firstX, (*finer)[static_cast<std::size_t>(z - start.low[2]) * kBlocksAcross +
+                                          static_cast<std::size_t>(y - start.low[1])]);
     };
+    std::vector<CellRow>& reached = isMirrored ? layer.backwards : layer.reached;
     // One slice behind the other; a row more than there are, before the first, in which nothing is.
-    std::array<Row, kOpenGridAcross + 1> before{}, here{};
-    const int beginY = stepY > 0 ? low_[1] : high_[1], beginZ = stepZ > 0 ? low_[2] : high_[2];
-    for (int z = beginZ; z >= 0 && z <= kLast; z += stepZ) {
+    std::array<CellRow, kOpenCellsAcross + 1> before{}, here{};
+    const int beginY = octant.stepY > 0 ? start.low[1] : start.high[1],
+              beginZ = octant.stepZ > 0 ? start.low[2] : start.high[2];
+    for (int z = beginZ; z >= 0 && z <= kLast; z += octant.stepZ) {
         bool isAnything = false;
         std::size_t i = 1;
-        for (int y = beginY; y >= 0 && y <= kLast; y += stepY, ++i) {
-            Row from;
-            const Row place = placeRow(y, z);
-            for (std::size_t w = 0; w < from.size(); ++w)
-                from[w] = before[i][w] | before[i - 1][w] | here[i - 1][w];
-            from = spread(from);
-            for (std::size_t w = 0; w < from.size(); ++w)
-                from[w] |= place[w];
+        for (int y = beginY; y >= 0 && y <= kLast; y += octant.stepY, ++i) {
+            const bool isStart = y >= start.low[1] && y <= start.high[1] && z >= start.low[2] && z <= start.high[2];
+            CellRow from = spread(before[i] | before[i - 1] | here[i - 1]);
+            CellRow there{};
+            if (isStart) from = from | (there = startOf(y, z));
             if (isEmpty(from)) {
                 here[i] = from;
                 continue;
             }
-            here[i] = filled(from, isMirrored ? grid.mirroredRow(y, z) : grid.openRow(y, z));
-            Row& all = reached[OpenGrid::rowOf(y, z)];
-            for (std::size_t w = 0; w < all.size(); ++w)
-                all[w] |= here[i][w];
+            CellRow open = isMirrored ? layer.cells->mirroredRow(y, z) : layer.cells->openRow(y, z);
+            if (isStart && finer != nullptr)
+                for (std::size_t w = 0; w < open.size(); ++w)
+                    open[w] = (open[w] & ~allOfFiner[w]) | there[w];
+            here[i] = filled(from, open);
+            CellRow& all = reached[OpenCells::rowOf(y, z)];
+            all = all | here[i];
+            std::uint64_t& block =
+                found[static_cast<std::size_t>(z / kBlock) * kBlocksAcross + static_cast<std::size_t>(y / kBlock)];
+            for (std::size_t w = 0; w < open.size(); ++w)
+                block |= anyOfFour(here[i][w]) << (16 * w);
             isAnything = true;
         }
-        const bool isPast = stepZ > 0 ? z >= high_[2] : z <= low_[2];
+        const bool isPast = octant.stepZ > 0 ? z >= start.high[2] : z <= start.low[2];
         if (!isAnything && isPast) break;
         std::swap(before, here);
     }
 }
 
-/// Both ways along x together; whether a way leads to the cube's rim, and blocks of cells, so that large boxes are
-/// asked about quickly.
-void OpenWays::summarize() {
-    constexpr int kLast = kOpenGridAcross - 1;
-    leavesCube_ = false;
-    blocks_.assign(std::size_t{kBlocksAcross} * kBlocksAcross, 0);
-    for (int z = 0; z < kOpenGridAcross; ++z)
-        for (int y = 0; y < kOpenGridAcross; ++y) {
-            Row& row = reached_[OpenGrid::rowOf(y, z)];
-            if (const Row& back = backwards_[OpenGrid::rowOf(y, z)]; !isEmpty(back)) {
-                const Row turned = mirrored(back);
-                for (std::size_t w = 0; w < row.size(); ++w)
-                    row[w] |= turned[w];
-            }
+/// The ways of one octant: in the finest cells, and on in wider ones.
+void OpenWays::findWays(const Octant& octant) {
+    Blocks finer, found;
+    for (std::size_t i = layers_.size(); i-- > 0;) {
+        found.fill(0);
+        Layer& layer = *layers_[i];
+        sweep(layer, octant, i + 1 < layers_.size() ? &finer : nullptr, found);
+        Blocks& all = octant.isMirrored ? layer.blocksBackwards : layer.blocks;
+        std::transform(all.begin(), all.end(), found.begin(), all.begin(), std::bit_or<>());
+        finer = found;
+    }
+}
+
+/// Both ways along x together, but for what a finer layer knows better; and whether a way leads to the cube's rim.
+void OpenWays::summarize(std::size_t number) {
+    Layer& layer = *layers_[number];
+    const bool isFinest = number + 1 == layers_.size(), isWhole = number == 0;
+    const Part& finer = layer.finer;
+    const CellRow outside = isFinest ? CellRow{} : cellsFrom(finer.low[0], ~std::uint64_t{0});
+    for (int z = 0; z < kOpenCellsAcross; ++z)
+        for (int y = 0; y < kOpenCellsAcross; ++y) {
+            CellRow& row = layer.reached[OpenCells::rowOf(y, z)];
+            if (const CellRow& back = layer.backwards[OpenCells::rowOf(y, z)]; !isEmpty(back))
+                row = row | mirrored(back);
             if (isEmpty(row)) continue;
-            leavesCube_ = leavesCube_ || z == 0 || z == kLast || y == 0 || y == kLast || (row.front() & 1) != 0 ||
-                          (row.back() >> 63) != 0;
-            std::uint64_t& block =
-                blocks_[static_cast<std::size_t>(z / kBlock) * kBlocksAcross + static_cast<std::size_t>(y / kBlock)];
+            if (isWhole)
+                leavesCube_ = leavesCube_ || z == 0 || z == kLast || y == 0 || y == kLast || (row.front() & 1) != 0 ||
+                              (row.back() >> 63) != 0;
+            if (isFinest || y < finer.low[1] || y > finer.high[1] || z < finer.low[2] || z > finer.high[2]) continue;
             for (std::size_t w = 0; w < row.size(); ++w)
-                block |= anyOfFour(row[w]) << (16 * w);
+                row[w] &= ~outside[w];
+        }
+    const int first = finer.low[0] / kBlock, last = finer.high[0] / kBlock;
+    for (int z = 0; z < kBlocksAcross; ++z)
+        for (int y = 0; y < kBlocksAcross; ++y) {
+            const auto i = static_cast<std::size_t>(z) * kBlocksAcross + static_cast<std::size_t>(y);
+            layer.blocks[i] |= mirrored(layer.blocksBackwards[i]);
+            if (isFinest || y < finer.low[1] / kBlock || y > finer.high[1] / kBlock || z < finer.low[2] / kBlock ||
+                z > finer.high[2] / kBlock)
+                continue;
+            layer.blocks[i] &= ~bitsFrom(first, last);
         }
 }
 
 bool OpenWays::standAt(const OpenGrid& grid, std::span<const glm::dvec3> eyesInWorld) {
-    const auto standsClear = [&](const glm::dvec3& eye) {
-        const std::vector<GridCell> cells = cellsAbout(grid, eye);
-        return std::all_of(cells.begin(), cells.end(), [&](const GridCell& cell) { return grid.isClear(cell); });
-    };
-    if (!std::all_of(eyesInWorld.begin(), eyesInWorld.end(), standsClear)) {
-        forget();
+    if (!std::all_of(eyesInWorld.begin(), eyesInWorld.end(),
+                     [&](const glm::dvec3& eye) { return standsClear(grid, eye); })) {
+        knowNothing();
         return false;
     }
     eyesInWorld_.assign(eyesInWorld.begin(), eyesInWorld.end());
-    if (areStillWithin(grid, eyesInWorld)) return false;
-    cornerInWorld_ = grid.cornerInWorld(), cellMetres_ = grid.cellMetres();
-    gatherPlace(grid, eyesInWorld);
-    const auto sweepAll = [&](bool isMirrored, std::vector<Row>& reached) {
-        reached.assign(std::size_t{kOpenGridAcross} * kOpenGridAcross, Row{});
+    if (!centre(grid) && areStillWithin()) return false;
+    gatherPlace();
+    for (const std::unique_ptr<Layer>& layer : layers_) {
+        layer->reached.assign(std::size_t{kOpenCellsAcross} * kOpenCellsAcross, CellRow{});
+        layer->backwards.assign(layer->reached.size(), CellRow{});
+        layer->blocks.fill(0), layer->blocksBackwards.fill(0);
+    }
+    const auto findAll = [&](bool isMirrored) {
         for (const int stepY : {1, -1})
             for (const int stepZ : {1, -1})
-                sweep(grid, isMirrored, stepY, stepZ, reached);
+                findWays({isMirrored, stepY, stepZ});
     };
-    tbb::parallel_invoke([&] { sweepAll(false, reached_); }, [&] { sweepAll(true, backwards_); });
-    summarize();
+    tbb::parallel_invoke([&] { findAll(false); }, [&] { findAll(true); });
+    leavesCube_ = false;
+    for (std::size_t i = 0; i < layers_.size(); ++i)
+        summarize(i);
     isKnown_ = true;
     return true;
+}
+
+/// Of the finest layer that the box is in.
+double OpenWays::cellMetresAbout(const glm::dvec3& least, const glm::dvec3& most) const {
+    const auto isIn = [&](const OpenCells& cells) {
+        const glm::dvec3 low = cells.inCells(least), high = cells.inCells(most);
+        return glm::all(glm::greaterThanEqual(low, glm::dvec3(0))) &&
+               glm::all(glm::lessThanEqual(high, glm::dvec3(kOpenCellsAcross)));
+    };
+    std::size_t i = layers_.size() - 1;
+    while (i > 0 && !isIn(*layers_[i]->cells))
+        --i;
+    return layers_[i]->cells->cellMetres();
 }
 
 bool OpenWays::mayMeet(const glm::dvec3& least, const glm::dvec3& most, double beside) const {
@@ -303,32 +376,38 @@ bool OpenWays::mayMeet(const glm::dvec3& least, const glm::dvec3& most, double b
     // Of a large box no part is as far away as its farthest corner but that one.
     const glm::dvec3 size = most - least;
     const int longest = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
-    if (around <= cellMetres_ || size[longest] <= kLeastPart * cellMetres_) return true;
+    const double cellMetres = cellMetresAbout(least - around, most + around);
+    if (around <= cellMetres || size[longest] <= kLeastPart * cellMetres) return true;
     glm::dvec3 lowHalf = most, highHalf = least;
     lowHalf[longest] = highHalf[longest] = 0.5 * (least[longest] + most[longest]);
     return mayMeet(least, lowHalf, beside) || mayMeet(highHalf, most, beside);
 }
 
 bool OpenWays::meets(const glm::dvec3& least, const glm::dvec3& most) const {
-    const double around = kBesideFace * cellMetres_;
-    GridCell low = cellOf((least - around - cornerInWorld_) / cellMetres_),
-             high = cellOf((most + around - cornerInWorld_) / cellMetres_);
+    return std::any_of(layers_.begin(), layers_.end(),
+                       [&](const std::unique_ptr<Layer>& layer) { return meets(*layer, least, most); });
+}
+
+bool OpenWays::meets(const Layer& layer, const glm::dvec3& least, const glm::dvec3& most) const {
+    GridCell low = cellOf(layer.cells->inCells(least) - kBesideFace),
+             high = cellOf(layer.cells->inCells(most) + kBesideFace);
+    const bool leavesCube = leavesCube_ && &layer == layers_.front().get();
     for (std::size_t axis = 0; axis < 3; ++axis) {
-        if (leavesCube_ && (low[axis] < 0 || high[axis] >= kOpenGridAcross)) return true;
-        low[axis] = std::max(low[axis], 0), high[axis] = std::min(high[axis], kOpenGridAcross - 1);
+        if (leavesCube && (low[axis] < 0 || high[axis] > kLast)) return true;
+        low[axis] = std::max(low[axis], 0), high[axis] = std::min(high[axis], kLast);
         if (low[axis] > high[axis]) return false;
     }
     const std::uint64_t asked = bitsFrom(low[0] / kBlock, high[0] / kBlock);
     for (int z = low[2] / kBlock; z <= high[2] / kBlock; ++z)
         for (int y = low[1] / kBlock; y <= high[1] / kBlock; ++y) {
-            if ((blocks_[static_cast<std::size_t>(z) * kBlocksAcross + static_cast<std::size_t>(y)] & asked) == 0)
+            if ((layer.blocks[static_cast<std::size_t>(z) * kBlocksAcross + static_cast<std::size_t>(y)] & asked) == 0)
                 continue;
             for (int cz = std::max(low[2], z * kBlock); cz <= std::min(high[2], z * kBlock + kBlock - 1); ++cz)
                 for (int cy = std::max(low[1], y * kBlock); cy <= std::min(high[1], y * kBlock + kBlock - 1); ++cy)
                     for (int word = low[0] / 64; word <= high[0] / 64; ++word) {
                         const std::uint64_t bits =
                             bitsFrom(std::max(low[0] - 64 * word, 0), std::min(high[0] - 64 * word, 63));
-                        if ((reached_[OpenGrid::rowOf(cy, cz)][static_cast<std::size_t>(word)] & bits) != 0)
+                        if ((layer.reached[OpenCells::rowOf(cy, cz)][static_cast<std::size_t>(word)] & bits) != 0)
                             return true;
                     }
         }

@@ -9,58 +9,29 @@
 //     | . . . . . |###| . # # x |     finds all ways at once, sixty-four cells of a row at a time.
 //     +-----------+   +---------+
 //
+// About the eye cells are finer (scene/open_grid.h): an octant's ways are found there first, and go on in the wider
+// cells around from where they left the finer ones.
+//
 // Of cells and portals (Teller and Sequin, "Visibility preprocessing for interactive walkthroughs", 1991) what needs
 // neither walls nor doors to be known: coarse, and never too little.
 
-#include "scene/coverage.h"
+#include "scene/open_grid.h"
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
 namespace scene {
-
-inline constexpr int kOpenGridAcross = 256; ///< cells along the edge of the coverage's cube
-
-/// A cell of the grid.
-using GridCell = std::array<int, 3>;
-
-/// Which cells of a grid over the coverage's cube hold anything that is not unseen, and which nothing that is.
-class OpenGrid {
-  public:
-    using Row = std::array<std::uint64_t, kOpenGridAcross / 64>; ///< a bit for each cell, along x
-
-    explicit OpenGrid(const Coverage& coverage);
-
-    const glm::dvec3& cornerInWorld() const { return cornerInWorld_; }
-    double cellMetres() const { return cellMetres_; }
-    const Row& openRow(int y, int z) const { return open_[rowOf(y, z)]; }
-    const Row& mirroredRow(int y, int z) const { return mirrored_[rowOf(y, z)]; } ///< its last cell first
-    /// False outside of the grid.
-    bool isOpen(const GridCell& cell) const { return holds(open_, cell); }
-    bool isClear(const GridCell& cell) const { return holds(clear_, cell); }
-
-    static std::size_t rowOf(int y, int z) {
-        return static_cast<std::size_t>(z) * kOpenGridAcross + static_cast<std::size_t>(y);
-    }
-
-  private:
-    void openCells(const Coverage& coverage, std::size_t node, const GridCell& first, int edge);
-    static void fill(std::vector<Row>& rows, const GridCell& first, int edge);
-    static bool holds(const std::vector<Row>& rows, const GridCell& cell);
-
-    glm::dvec3 cornerInWorld_;
-    double cellMetres_;
-    std::vector<Row> open_, mirrored_, clear_;
-};
 
 /// What may be seen from about some eyes; they may move a little before it must be found anew.
 class OpenWays {
   public:
     /// Finds it anew if an eye has left the place that it was found for. Of eyes in or right beside cells in which
     /// anything is unseen, or outside of the cube, nothing is known: they may see anything, since pictures let an eye
-    /// look out of unseen space. Returns whether it was found anew.
+    /// look out of unseen space. Returns whether it was found anew. The grid must be the one of the call before, or
+    /// all of that forgotten.
     bool standAt(const OpenGrid& grid, std::span<const glm::dvec3> eyesInWorld);
 
     /// They may see anything, from now on.
@@ -72,22 +43,41 @@ class OpenWays {
     bool mayMeet(const glm::dvec3& least, const glm::dvec3& most, double beside) const;
 
   private:
-    using Row = OpenGrid::Row;
+    static constexpr int kBlock = 4, kBlocksAcross = kOpenCellsAcross / kBlock;
+    /// Of blocks of four cells each way: along x, a bit each; by y, then by z.
+    using Blocks = std::array<std::uint64_t, std::size_t{kBlocksAcross} * kBlocksAcross>;
+    struct Octant {
+        bool isMirrored; ///< against x: rows with their last cells first
+        int stepY, stepZ;
+    };
+    /// Cells of a layer between two, both included.
+    struct Part {
+        GridCell low{}, high{};
+    };
+    struct Layer {
+        std::shared_ptr<const OpenCells> cells;
+        std::vector<CellRow> reached, backwards; ///< what ways lead to along x, and against it: last cells first
+        Blocks blocks{}, blocksBackwards{};
+        Part finer; ///< where the next layer knows better, unless this is the finest one
+    };
 
-    bool areStillWithin(const OpenGrid& grid, std::span<const glm::dvec3> eyesInWorld) const;
-    void gatherPlace(const OpenGrid& grid, std::span<const glm::dvec3> eyesInWorld);
-    void sweep(const OpenGrid& grid, bool isMirrored, int stepY, int stepZ, std::vector<Row>& reached) const;
-    void summarize();
+    void knowNothing();
+    bool centre(const OpenGrid& grid);
+    bool areStillWithin() const;
+    void gatherPlace();
+    CellRow placeRow(int y, int z, bool isMirrored) const;
+    void findWays(const Octant& octant);
+    void sweep(Layer& layer, const Octant& octant, const Blocks* finer, Blocks& found) const;
+    void summarize(std::size_t number);
+    double cellMetresAbout(const glm::dvec3& least, const glm::dvec3& most) const;
     bool meets(const glm::dvec3& least, const glm::dvec3& most) const;
+    bool meets(const Layer& layer, const glm::dvec3& least, const glm::dvec3& most) const;
 
     bool isKnown_ = false, leavesCube_ = false;
-    glm::dvec3 cornerInWorld_{0};
-    double cellMetres_ = 0;
+    std::vector<std::unique_ptr<Layer>> layers_; ///< the widest first; none if all is forgotten
     std::vector<glm::dvec3> eyesInWorld_;
-    GridCell low_{}, high_{};              ///< the cells of the place, all between them
-    std::vector<std::uint8_t> isPlace_;    ///< of those, whether an eye may stand there: x first, then y, then z
-    std::vector<Row> reached_, backwards_; ///< along x, and against it: their last cells first
-    std::vector<std::uint64_t> blocks_;    ///< of four cells each way, along x; by y, then by z
+    Part place_;                        ///< in the finest layer, where eyes may stand
+    std::vector<std::uint8_t> isPlace_; ///< and of its cells whether they may: x first, then y, then z
 };
 
 } // namespace scene

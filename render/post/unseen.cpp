@@ -10,6 +10,7 @@
 #include <array>
 #include <cmath>
 #include <string>
+#include <utility>
 
 namespace render {
 
@@ -28,9 +29,16 @@ constexpr float kSkyDepth = 1e6f;
 } // namespace
 
 GpuCoverage::GpuCoverage(const Device& device, const scene::Coverage& coverage)
-    : cornerInWorld_(coverage.cornerInWorld), edgeMetres_(coverage.edgeMetres), levels_(scene::levelsOf(coverage)),
-      finestCellMetres_(scene::finestCellOf(coverage)), openGrid_(std::make_shared<const scene::OpenGrid>(coverage)),
-      layout_(makeSetLayout(device, kUnseenBindings)) {
+    : GpuCoverage(device, std::make_shared<const scene::OpenGrid>(coverage)) {}
+
+GpuCoverage::GpuCoverage(const Device& device, scene::Coverage&& coverage)
+    : GpuCoverage(device, std::make_shared<const scene::OpenGrid>(std::move(coverage))) {}
+
+GpuCoverage::GpuCoverage(const Device& device, std::shared_ptr<const scene::OpenGrid> openGrid)
+    : openGrid_(std::move(openGrid)), layout_(makeSetLayout(device, kUnseenBindings)) {
+    const scene::Coverage& coverage = openGrid_->coverage();
+    cornerInWorld_ = coverage.cornerInWorld, edgeMetres_ = coverage.edgeMetres;
+    levels_ = scene::levelsOf(coverage), finestCellMetres_ = scene::finestCellOf(coverage);
     const std::vector<CoverageTexel> texels = coverageTexels(coverage);
     if (texels.size() > device.limits().maxTexelBufferElements)
         throw scene::Failure("coverage takes " + std::to_string(texels.size()) + " texels, more than the " +

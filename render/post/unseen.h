@@ -7,7 +7,7 @@
 #include "render/resources.h"
 #include "render/shaders/shared/unseen.h"
 #include "scene/coverage.h"
-#include "scene/open_ways.h"
+#include "scene/open_grid.h"
 #include "scene/view.h"
 
 #include <memory>
@@ -17,8 +17,9 @@ namespace render {
 /// What was observed of a scene, on the device.
 class GpuCoverage {
   public:
-    /// Throws scene::Failure if the device cannot hold or see it.
+    /// The coverage must outlive it, if it is only lent. Throws scene::Failure if the device cannot hold or see it.
     GpuCoverage(const Device& device, const scene::Coverage& coverage);
+    GpuCoverage(const Device& device, scene::Coverage&& coverage);
 
     VkDescriptorSetLayout layout() const { return layout_; }
     VkDescriptorSet set() const { return set_; }
@@ -28,14 +29,16 @@ class GpuCoverage {
     double finestCellMetres() const { return finestCellMetres_; }
     bool hasDivided() const { return texels_.size() / sizeof(CoverageTexel) > kFirstCoverageNode; } ///< voxels
     std::size_t bytes() const { return texels_.size(); }
-    /// On the processor: what it may hide. May outlive what is on the device.
+    /// On the processor: what it may hide. May outlive what is on the device, but not the coverage.
     const std::shared_ptr<const scene::OpenGrid>& openGrid() const { return openGrid_; }
 
   private:
-    glm::dvec3 cornerInWorld_;
-    double edgeMetres_;
-    int levels_;
-    double finestCellMetres_;
+    GpuCoverage(const Device& device, std::shared_ptr<const scene::OpenGrid> openGrid);
+
+    glm::dvec3 cornerInWorld_{0};
+    double edgeMetres_ = 0;
+    int levels_ = 0;
+    double finestCellMetres_ = 0;
     std::shared_ptr<const scene::OpenGrid> openGrid_;
     Buffer texels_;
     BufferView view_;

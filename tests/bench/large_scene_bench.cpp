@@ -55,7 +55,7 @@ struct PartedSite {
     GpuCoverage coverage;
     Renderer renderer;
     std::vector<double> milliseconds;
-    static constexpr std::array<std::array<int, 2>, 3> kSizes{{{1, 1}, {2, 2}, {4, 4}}};
+    static constexpr std::array<std::array<int, 2>, 3> kSizes{{{1, 1}, {5, 2}, {10, 10}}};
 
   private:
     static std::vector<std::array<int, 3>> placesOf(const scene::Scene& part, int across, int deep) {
@@ -93,7 +93,8 @@ struct PartedSite {
         const scene::Coverage& one = *part.coverage;
         if (places.size() == 1) return one;
         const std::array<int, 3>& own = places[places.size() / 2];
-        return coverageManyTimes(one, places, one.cornerInWorld - one.edgeMetres * glm::dvec3(own[0], own[1], own[2]));
+        return coverageManyTimes(one, places, one.cornerInWorld - one.edgeMetres * glm::dvec3(own[0], own[1], own[2]),
+                                 2);
     }
 };
 
@@ -156,7 +157,7 @@ void measureArea(benchmark::State& state, Warp warp) {
 void areaOfScene(benchmark::State& state, Warp warp) {
     measureArea<Site>(state, warp);
 }
-/// Four and sixteen, with the unseen shown between them: what it hides need not be drawn.
+/// Ten and a hundred, with the unseen shown between them: what it hides need not be drawn.
 void areaOfSceneBehindUnseen(benchmark::State& state, Warp warp) {
     measureArea<PartedSite>(state, warp);
 }

@@ -200,21 +200,39 @@ CutScene roomInAllTiers() {
 }
 
 scene::Coverage coverageManyTimes(const scene::Coverage& part, const std::vector<std::array<int, 3>>& places,
-                                  const glm::dvec3& cornerInWorld) {
-    scene::Coverage all{cornerInWorld, scene::kCoverageBranching * part.edgeMetres,
-                        std::vector<scene::CoverageNode>(1)};
-    scene::CoverageNode& root = all.nodes.front();
-    for (const std::array<int, 3>& p : places)
-        root.children |= scene::coverageMask(scene::coverageBit(p[0], p[1], p[2]));
-    root.unseen = ~root.children;
-    root.firstChild = 1;
+                                  const glm::dvec3& cornerInWorld, int levels) {
+    scene::Coverage all{cornerInWorld, std::exp2(2 * levels) * part.edgeMetres, {}};
+    // Cubes above the part's, level by level.
+    std::vector<std::array<int, 3>> cubes{{0, 0, 0}};
+    for (int level = 0; level < levels; ++level) {
+        const int cell = 1 << (2 * (levels - level - 1)); // in cubes of the part
+        const std::size_t firstBelow = all.nodes.size() + cubes.size();
+        std::vector<std::array<int, 3>> below;
+        for (const std::array<int, 3>& cube : cubes) {
+            scene::CoverageNode node;
+            node.firstChild = static_cast<std::uint32_t>(firstBelow + below.size());
+            for (int bit = 0; bit < 64; ++bit) {
+                const std::array<int, 3> at{cube[0] + bit % 4 * cell, cube[1] + bit / 4 % 4 * cell,
+                                            cube[2] + bit / 16 * cell};
+                const auto isIn = [&](const std::array<int, 3>& p) {
+                    return p[0] / cell == at[0] / cell && p[1] / cell == at[1] / cell && p[2] / cell == at[2] / cell;
+                };
+                if (std::none_of(places.begin(), places.end(), isIn)) continue;
+                node.children |= scene::coverageMask(bit);
+                below.push_back(at);
+            }
+            node.unseen = ~node.children;
+            all.nodes.push_back(node);
+        }
+        cubes = std::move(below);
+    }
     // The part's levels, one after the other, each as often as it stands there.
     const std::vector<std::size_t> firsts = scene::firstNodesOf(part);
     for (std::size_t level = 0; level + 1 < firsts.size(); ++level) {
         const std::size_t count = firsts[level + 1] - firsts[level],
                           below = level + 2 < firsts.size() ? firsts[level + 2] - firsts[level + 1] : 0,
                           firstBelow = all.nodes.size() + count * places.size();
-        for (std::size_t copy = 0; copy < places.size(); ++copy)
+        for (std::size_t copy = 0; copy < places.size(); ++copy) // all alike, so that their order is nothing
             for (std::size_t i = firsts[level]; i < firsts[level + 1]; ++i) {
                 all.nodes.push_back(part.nodes[i]);
                 if (part.nodes[i].children == 0) continue;

@@ -52,9 +52,10 @@ CutScene roomInAllTiers();
 scene::PolygonScene rectangle(const glm::vec3& corner, const glm::vec3& across, const glm::vec3& down,
                               const glm::vec3& colour = glm::vec3(0.5f));
 
-/// The coverage's cube at these places in a cube that has room for 4 x 4 x 4 of them: nobody saw what is not taken.
+/// The coverage's cube at these places in a cube that has room for 4^levels of them along each edge: nobody saw what is
+/// not taken.
 scene::Coverage coverageManyTimes(const scene::Coverage& part, const std::vector<std::array<int, 3>>& places,
-                                  const glm::dvec3& cornerInWorld);
+                                  const glm::dvec3& cornerInWorld, int levels = 1);
 
 /// Samples of all blocks that the points warp draws.
 std::size_t pointsOf(const CutScene& scene);

@@ -4,15 +4,24 @@
 #include "tests/repetitions.h"
 #include "tests/scene/random_coverage.h"
 
+#include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <random>
+#include <utility>
+#include <vector>
 
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <glm/vector_relational.hpp>
 #include <gtest/gtest.h>
 
 namespace scene {
 namespace {
+
+/// Of the edge of the cube: one layer, two, three.
+constexpr std::array<double, 3> kFineEnough{1, 1.0 / 512, 0};
 
 class Places {
   public:
@@ -49,7 +58,7 @@ TEST(OpenWays, NothingThatARayMeetsIsMissed) {
     int met = 0, missed = 0, known = 0;
     for (std::uint32_t seed = 1; seed <= static_cast<std::uint32_t>(tests::repetitions(24)); ++seed) {
         const Coverage coverage = randomCoverage(seed, 1 + static_cast<int>(seed % 5), seed % 2 == 0 ? 0.3 : 0.6);
-        const OpenGrid grid(coverage);
+        const OpenGrid grid(coverage, kFineEnough[seed % 3] * coverage.edgeMetres);
         Places places(seed);
         for (int stand = 0; stand < 10; ++stand) {
             const glm::dvec3 eye = places.about(coverage, 0);
@@ -71,16 +80,18 @@ TEST(OpenWays, NothingThatARayMeetsIsMissed) {
     EXPECT_GT(met, 100);
 }
 
-TEST(OpenWays, HoldsWhileTheEyeMovesALittle) {
+/// As far as a walk of 400 steps goes, of half a cell of the finest layer each.
+void walkAbout(int layers) {
     const Coverage coverage = randomCoverage(3, 2, 0.3);
-    const OpenGrid grid(coverage);
+    const OpenGrid grid(coverage, layers == 1 ? 1 : 0);
+    EXPECT_EQ(grid.layers(), layers);
     Places places(7);
     OpenWays ways;
     int found = 0, held = 0, met = 0;
     glm::dvec3 eye = places.about(coverage, 0);
     for (int i = 0; i < 400; ++i) {
         const glm::dvec3 step(places.within(-1, 1), places.within(-1, 1), places.within(-1, 1));
-        eye = glm::clamp(eye + 0.5 * grid.cellMetres() * step, coverage.cornerInWorld + 0.01,
+        eye = glm::clamp(eye + 0.5 * grid.finestMetres() * step, coverage.cornerInWorld + 0.01,
                          coverage.cornerInWorld + coverage.edgeMetres - 0.01);
         const bool isFoundAnew = ways.standAt(grid, std::array{eye});
         if (!ways.isKnown()) continue;
@@ -96,6 +107,13 @@ TEST(OpenWays, HoldsWhileTheEyeMovesALittle) {
     EXPECT_GT(held, found) << "found anew " << found << " times";
     EXPECT_GT(found, 0);
     EXPECT_GT(met, 100);
+}
+
+TEST(OpenWays, HoldsWhileTheEyeMovesALittle) {
+    walkAbout(1);
+}
+TEST(OpenWays, HoldsWhileTheEyeMovesALittleInFinerLayers) {
+    walkAbout(3);
 }
 
 TEST(OpenWays, RoomsBehindWallsAreNotMet) {
@@ -116,6 +134,133 @@ TEST(OpenWays, RoomsBehindWallsAreNotMet) {
     EXPECT_TRUE(ways.standAt(grid, std::array{inPlan(3.5, 0.5)}));
     EXPECT_TRUE(mayMeetAt(ways, inPlan(0.5, 2.5)));
     EXPECT_FALSE(mayMeetAt(ways, inPlan(0.5, 0.2))) << "the way to it would turn back";
+}
+
+/// A box that was seen empty, metres.
+struct SeenBox {
+    glm::dvec3 least, most;
+};
+
+/// A cube of a large site, in which nothing but these was observed.
+class Site {
+  public:
+    explicit Site(std::vector<SeenBox> seen) : seen_(std::move(seen)) {
+        coverage.cornerInWorld = glm::dvec3(-31, -29, -33), coverage.edgeMetres = 70;
+        coverage.nodes.resize(1);
+        divide(0, coverage.cornerInWorld, coverage.edgeMetres / kCoverageBranching, 1);
+    }
+    Coverage coverage;
+
+  private:
+    static constexpr int kLevels = 6; // cells of 17 mm
+    void divide(std::size_t index, const glm::dvec3& corner, double cell, int level) {
+        CoverageNode node;
+        const auto cornerOf = [&](int bit) { return corner + cell * glm::dvec3(bit % 4, bit / 4 % 4, bit / 16); };
+        for (int bit = 0; bit < 64; ++bit) {
+            const glm::dvec3 low = cornerOf(bit), high = low + cell;
+            const bool isWithin = std::any_of(seen_.begin(), seen_.end(), [&](const SeenBox& box) {
+                return glm::all(glm::lessThanEqual(box.least, low)) && glm::all(glm::greaterThanEqual(box.most, high));
+            });
+            const bool isOutside = std::none_of(seen_.begin(), seen_.end(), [&](const SeenBox& box) {
+                return glm::all(glm::lessThan(box.least, high)) && glm::all(glm::greaterThan(box.most, low));
+            });
+            if (isOutside)
+                node.unseen |= coverageMask(bit);
+            else if (!isWithin && level < kLevels)
+                node.children |= coverageMask(bit);
+        }
+        node.firstChild = static_cast<std::uint32_t>(coverage.nodes.size());
+        coverage.nodes[index] = node;
+        coverage.nodes.resize(coverage.nodes.size() + static_cast<std::size_t>(std::popcount(node.children)));
+        for (int bit = 0; bit < 64; ++bit)
+            if ((node.children & coverageMask(bit)) != 0)
+                divide(node.firstChild + childRank(node.children, bit), cornerOf(bit), cell / kCoverageBranching,
+                       level + 1);
+    }
+    std::vector<SeenBox> seen_;
+};
+
+// Walls are thinner than the cells of 27 cm of the whole site.
+TEST(OpenWays, ThinWallsAboutTheEyeHide) {
+    const Site site({{{0, 0, 0}, {5, 4, 2.5}},    // where the eye is
+                     {{5.12, 0, 0}, {9, 4, 2.5}}, // behind a wall
+                     {{0, 4.12, 0}, {5, 9, 2.5}}, // behind a wall with a door, 0.9 m wide
+                     {{3, 4, 0}, {3.9, 4.12, 2.1}},
+                     {{0, 0, 2.7}, {5, 4, 5}},       // a floor above
+                     {{-20, -20, 0}, {-15, 9, 2.5}}, // and elsewhere
+                     {{10, 20, 0}, {30, 30, 2.5}}});
+    const OpenGrid grid(site.coverage), wide(site.coverage, site.coverage.edgeMetres);
+    ASSERT_EQ(grid.layers(), 3);
+    ASSERT_EQ(wide.layers(), 1);
+    Places places(11);
+    std::array<int, 2> hidden{};
+    int met = 0;
+    for (int stand = 0; stand < 12; ++stand) {
+        const glm::dvec3 eye(places.within(0.5, 4.5), places.within(0.5, 3.5), places.within(1, 2));
+        OpenWays ways, widely;
+        ASSERT_TRUE(ways.standAt(grid, std::array{eye}));
+        ASSERT_TRUE(widely.standAt(wide, std::array{eye}));
+        for (int i = 0; i < 3000; ++i) {
+            const glm::dvec3 p(places.within(-21, 31), places.within(-21, 31), places.within(-1, 6)), way = p - eye;
+            const double far = glm::length(way);
+            if (!firstUnseen(site.coverage, eye, way / far, far)) {
+                EXPECT_TRUE(mayMeetAt(ways, p) && mayMeetAt(widely, p)) << i;
+                ++met;
+            }
+            hidden[0] += mayMeetAt(ways, p) ? 0 : 1, hidden[1] += mayMeetAt(widely, p) ? 0 : 1;
+        }
+        const auto mayMeetBox = [](const OpenWays& w, const SeenBox& box) {
+            return w.mayMeet(box.least, box.most, 0.01);
+        };
+        const SeenBox behindWall{{5.12, 0, 0}, {9, 4, 2.5}}, above{{0, 0, 2.7}, {5, 4, 5}},
+            throughDoor{{0, 4.2, 0}, {5, 9, 2.5}}, own{{0, 0, 0}, {5, 4, 2.5}};
+        EXPECT_FALSE(mayMeetBox(ways, behindWall));
+        EXPECT_FALSE(mayMeetBox(ways, above));
+        EXPECT_TRUE(mayMeetBox(ways, throughDoor));
+        EXPECT_TRUE(mayMeetBox(ways, own));
+        EXPECT_TRUE(mayMeetBox(widely, behindWall)) << "else this tests nothing";
+        EXPECT_FALSE(mayMeetBox(ways, {{-20, -20, 0}, {-15, 9, 2.5}})) << "beyond the finer layers";
+    }
+    EXPECT_GT(met, 50);
+    EXPECT_GT(hidden[0], hidden[1]);
+}
+
+TEST(OpenWays, WaysGoOnBeyondTheFinerLayers) {
+    // A passage from the eye's room to one far off, and one beside it that nothing leads to.
+    const Site site({{{0, 0, 0}, {4, 4, 2.5}},
+                     {{4, 1, 0}, {25, 3, 2.5}},
+                     {{25, -8, 0}, {35, 12, 2.5}},
+                     {{12, 5, 0}, {20, 12, 2.5}}});
+    const OpenGrid grid(site.coverage);
+    OpenWays ways;
+    // Along the passage: through the finest layer, which begins anew, and in the rooms at its ends.
+    int met = 0;
+    Places places(4);
+    for (double x = 1; x < 30; x += 0.45) {
+        const glm::dvec3 eye(x, 2 + 0.3 * std::sin(x), 1.5);
+        ways.standAt(grid, std::array{eye, eye + glm::dvec3(0, 0.06, 0)});
+        ASSERT_TRUE(ways.isKnown());
+        EXPECT_TRUE(ways.mayMeet({34, 1, 1}, {35, 3, 2}, 0)) << x;
+        EXPECT_TRUE(ways.mayMeet({0, 1, 1}, {1, 3, 2}, 0)) << x;
+        EXPECT_TRUE(x > 24 || !ways.mayMeet({12, 5.2, 0}, {20, 12, 2.5}, 0)) << x;
+        for (int i = 0; i < 500; ++i) {
+            const glm::dvec3 p(places.within(0, 35), places.within(-8, 12), places.within(0, 2.5)), way = p - eye;
+            const double far = glm::length(way);
+            if (firstUnseen(site.coverage, eye, way / far, far)) continue;
+            EXPECT_TRUE(mayMeetAt(ways, p)) << x << " " << i;
+            ++met;
+        }
+    }
+    EXPECT_GT(met, 1000);
+    // Eyes too far apart for the finest layer, or for any but the widest.
+    for (const double apart : {3.0, 17.0}) {
+        ways.standAt(grid, std::array{glm::dvec3(5, 2, 1.5), glm::dvec3(5 + apart, 2, 1.5)});
+        ASSERT_TRUE(ways.isKnown());
+        EXPECT_TRUE(ways.mayMeet({34, 1, 1}, {35, 3, 2}, 0)) << apart;
+        EXPECT_FALSE(ways.mayMeet({12, 6, 0}, {20, 12, 2.5}, 0)) << apart;
+    }
+    ways.standAt(grid, std::array{glm::dvec3(5, 2, 1.5)});
+    EXPECT_FALSE(ways.mayMeet({12, 5.2, 0}, {20, 12, 2.5}, 0)) << "and finely again";
 }
 
 TEST(OpenWays, TwoEyesMeetWhatEitherDoes) {
@@ -196,7 +341,7 @@ TEST(OpenWays, OutsideOfTheCubeIsMetWhereAWayLeavesIt) {
 
 TEST(OpenWays, ABoxIsMetIfAnythingInItIsOrNearEnoughBesideIt) {
     const Coverage coverage = randomCoverage(12, 3, 0.6);
-    const OpenGrid grid(coverage);
+    const OpenGrid grid(coverage, coverage.edgeMetres); // one layer
     Places places(5);
     OpenWays ways;
     glm::dvec3 eye = places.about(coverage, 0);
@@ -211,7 +356,7 @@ TEST(OpenWays, ABoxIsMetIfAnythingInItIsOrNearEnoughBesideIt) {
         std::array<int, 3> low{}, size{};
         for (std::size_t axis = 0; axis < 3; ++axis) {
             size[axis] = static_cast<int>(places.within(0, 24));
-            low[axis] = static_cast<int>(places.within(0, kOpenGridAcross - size[axis]));
+            low[axis] = static_cast<int>(places.within(0, kOpenCellsAcross - size[axis]));
         }
         const bool box = ways.mayMeet(middleOf(low[0], low[1], low[2]),
                                       middleOf(low[0] + size[0], low[1] + size[1], low[2] + size[2]), 0);
