@@ -121,6 +121,20 @@ bool holds(const OpenCells& layer, std::span<const glm::dvec3> eyesInWorld, int 
 
 } // namespace
 
+void OpenWays::Reached::clear() {
+    rows.resize(std::size_t{kOpenCellsAcross} * kOpenCellsAcross);
+    for (int z = lowZ; z <= highZ; ++z)
+        std::fill_n(rows.begin() + static_cast<std::ptrdiff_t>(OpenCells::rowOf(lowY, z)), highY - lowY + 1, CellRow{});
+    lowY = lowZ = kOpenCellsAcross, highY = highZ = -1;
+    blocks.fill(0);
+}
+
+void OpenWays::Reached::add(int y, int z, const CellRow& cells) {
+    CellRow& all = rows[OpenCells::rowOf(y, z)];
+    all = all | cells;
+    lowY = std::min(lowY, y), highY = std::max(highY, y), lowZ = std::min(lowZ, z), highZ = std::max(highZ, z);
+}
+
 void OpenWays::knowNothing() {
     isKnown_ = false;
     isPlace_.clear();
@@ -246,39 +260,43 @@ void OpenWays::sweep(Layer& layer, const Octant& octant, const Blocks* finer, Bl
         return cellsFrom(firstX, (*finer)[static_cast<std::size_t>(z - start.low[2]) * kBlocksAcross +
                                           static_cast<std::size_t>(y - start.low[1])]);
     };
-    std::vector<CellRow>& reached = isMirrored ? layer.backwards : layer.reached;
-    // One slice behind the other; a row more than there are, before the first, in which nothing is.
+    Reached& reached = isMirrored ? layer.against : layer.along;
+    // One slice behind the other; a row more than there are, before the first, in which nothing is. Rows behind the
+    // end of a slice are empty.
     std::array<CellRow, kOpenCellsAcross + 1> before{}, here{};
+    std::size_t endBefore = 1, endHere = 1;
+    const int rowsOfStart = start.high[1] - start.low[1] + 1;
     const int beginY = octant.stepY > 0 ? start.low[1] : start.high[1],
               beginZ = octant.stepZ > 0 ? start.low[2] : start.high[2];
     for (int z = beginZ; z >= 0 && z <= kLast; z += octant.stepZ) {
-        bool isAnything = false;
-        std::size_t i = 1;
-        for (int y = beginY; y >= 0 && y <= kLast; y += octant.stepY, ++i) {
-            const bool isStart = y >= start.low[1] && y <= start.high[1] && z >= start.low[2] && z <= start.high[2];
-            CellRow from = spread(before[i] | before[i - 1] | here[i - 1]);
-            CellRow there{};
+        const bool isAtStart = z >= start.low[2] && z <= start.high[2];
+        const std::size_t least = isAtStart ? static_cast<std::size_t>(rowsOfStart) + 1 : 1;
+        std::size_t i = 1, end = 1;
+        for (int y = beginY; y >= 0 && y <= kLast && i <= std::max({least, endBefore, end}); y += octant.stepY, ++i) {
+            const bool isStart = isAtStart && y >= start.low[1] && y <= start.high[1];
+            CellRow from = spread(before[i] | before[i - 1] | here[i - 1]), there{};
             if (isStart) from = from | (there = startOf(y, z));
-            if (isEmpty(from)) {
-                here[i] = from;
-                continue;
-            }
+            here[i] = CellRow{};
+            if (isEmpty(from)) continue;
             CellRow open = isMirrored ? layer.cells->mirroredRow(y, z) : layer.cells->openRow(y, z);
             if (isStart && finer != nullptr)
                 for (std::size_t w = 0; w < open.size(); ++w)
                     open[w] = (open[w] & ~allOfFiner[w]) | there[w];
             here[i] = filled(from, open);
-            CellRow& all = reached[OpenCells::rowOf(y, z)];
-            all = all | here[i];
+            if (isEmpty(here[i])) continue;
+            end = i + 1;
+            reached.add(y, z, here[i]);
             std::uint64_t& block =
                 found[static_cast<std::size_t>(z / kBlock) * kBlocksAcross + static_cast<std::size_t>(y / kBlock)];
             for (std::size_t w = 0; w < open.size(); ++w)
                 block |= anyOfFour(here[i][w]) << (16 * w);
-            isAnything = true;
         }
+        for (; i < endHere; ++i)
+            here[i] = CellRow{};
         const bool isPast = octant.stepZ > 0 ? z >= start.high[2] : z <= start.low[2];
-        if (!isAnything && isPast) break;
+        if (end == 1 && isPast) break;
         std::swap(before, here);
+        endHere = endBefore, endBefore = end;
     }
 }
 
@@ -289,7 +307,7 @@ void OpenWays::findWays(const Octant& octant) {
         found.fill(0);
         Layer& layer = *layers_[i];
         sweep(layer, octant, i + 1 < layers_.size() ? &finer : nullptr, found);
-        Blocks& all = octant.isMirrored ? layer.blocksBackwards : layer.blocks;
+        Blocks& all = (octant.isMirrored ? layer.against : layer.along).blocks;
         std::transform(all.begin(), all.end(), found.begin(), all.begin(), std::bit_or<>());
         finer = found;
     }
@@ -300,29 +318,31 @@ void OpenWays::summarize(std::size_t number) {
     Layer& layer = *layers_[number];
     const bool isFinest = number + 1 == layers_.size(), isWhole = number == 0;
     const Part& finer = layer.finer;
-    const CellRow outside = isFinest ? CellRow{} : cellsFrom(finer.low[0], ~std::uint64_t{0});
-    for (int z = 0; z < kOpenCellsAcross; ++z)
-        for (int y = 0; y < kOpenCellsAcross; ++y) {
-            CellRow& row = layer.reached[OpenCells::rowOf(y, z)];
-            if (const CellRow& back = layer.backwards[OpenCells::rowOf(y, z)]; !isEmpty(back))
-                row = row | mirrored(back);
+    const CellRow ofFiner = isFinest ? CellRow{} : cellsFrom(finer.low[0], ~std::uint64_t{0});
+    Reached &all = layer.along, &against = layer.against;
+    for (int z = against.lowZ; z <= against.highZ; ++z)
+        for (int y = against.lowY; y <= against.highY; ++y)
+            if (const CellRow& row = against.rows[OpenCells::rowOf(y, z)]; !isEmpty(row)) all.add(y, z, mirrored(row));
+    for (int z = all.lowZ; z <= all.highZ; ++z)
+        for (int y = all.lowY; y <= all.highY; ++y) {
+            CellRow& row = all.rows[OpenCells::rowOf(y, z)];
             if (isEmpty(row)) continue;
             if (isWhole)
                 leavesCube_ = leavesCube_ || z == 0 || z == kLast || y == 0 || y == kLast || (row.front() & 1) != 0 ||
                               (row.back() >> 63) != 0;
             if (isFinest || y < finer.low[1] || y > finer.high[1] || z < finer.low[2] || z > finer.high[2]) continue;
             for (std::size_t w = 0; w < row.size(); ++w)
-                row[w] &= ~outside[w];
+                row[w] &= ~ofFiner[w];
         }
     const int first = finer.low[0] / kBlock, last = finer.high[0] / kBlock;
     for (int z = 0; z < kBlocksAcross; ++z)
         for (int y = 0; y < kBlocksAcross; ++y) {
             const auto i = static_cast<std::size_t>(z) * kBlocksAcross + static_cast<std::size_t>(y);
-            layer.blocks[i] |= mirrored(layer.blocksBackwards[i]);
+            all.blocks[i] |= mirrored(against.blocks[i]);
             if (isFinest || y < finer.low[1] / kBlock || y > finer.high[1] / kBlock || z < finer.low[2] / kBlock ||
                 z > finer.high[2] / kBlock)
                 continue;
-            layer.blocks[i] &= ~bitsFrom(first, last);
+            all.blocks[i] &= ~bitsFrom(first, last);
         }
 }
 
@@ -336,9 +356,8 @@ bool OpenWays::standAt(const OpenGrid& grid, std::span<const glm::dvec3> eyesInW
     if (!centre(grid) && areStillWithin()) return false;
     gatherPlace();
     for (const std::unique_ptr<Layer>& layer : layers_) {
-        layer->reached.assign(std::size_t{kOpenCellsAcross} * kOpenCellsAcross, CellRow{});
-        layer->backwards.assign(layer->reached.size(), CellRow{});
-        layer->blocks.fill(0), layer->blocksBackwards.fill(0);
+        layer->along.clear();
+        layer->against.clear();
     }
     const auto findAll = [&](bool isMirrored) {
         for (const int stepY : {1, -1})
@@ -400,14 +419,15 @@ bool OpenWays::meets(const Layer& layer, const glm::dvec3& least, const glm::dve
     const std::uint64_t asked = bitsFrom(low[0] / kBlock, high[0] / kBlock);
     for (int z = low[2] / kBlock; z <= high[2] / kBlock; ++z)
         for (int y = low[1] / kBlock; y <= high[1] / kBlock; ++y) {
-            if ((layer.blocks[static_cast<std::size_t>(z) * kBlocksAcross + static_cast<std::size_t>(y)] & asked) == 0)
+            if ((layer.along.blocks[static_cast<std::size_t>(z) * kBlocksAcross + static_cast<std::size_t>(y)] &
+                 asked) == 0)
                 continue;
             for (int cz = std::max(low[2], z * kBlock); cz <= std::min(high[2], z * kBlock + kBlock - 1); ++cz)
                 for (int cy = std::max(low[1], y * kBlock); cy <= std::min(high[1], y * kBlock + kBlock - 1); ++cy)
                     for (int word = low[0] / 64; word <= high[0] / 64; ++word) {
                         const std::uint64_t bits =
                             bitsFrom(std::max(low[0] - 64 * word, 0), std::min(high[0] - 64 * word, 63));
-                        if ((layer.reached[OpenCells::rowOf(cy, cz)][static_cast<std::size_t>(word)] & bits) != 0)
+                        if ((layer.along.rows[OpenCells::rowOf(cy, cz)][static_cast<std::size_t>(word)] & bits) != 0)
                             return true;
                     }
         }

@@ -54,11 +54,19 @@ class OpenWays {
     struct Part {
         GridCell low{}, high{};
     };
+    /// What ways lead to, along x or against it; if that, last cells first.
+    struct Reached {
+        std::vector<CellRow> rows;
+        int lowY = kOpenCellsAcross, highY = -1, lowZ = kOpenCellsAcross, highZ = -1; ///< of rows with any
+        Blocks blocks{};
+
+        void clear();
+        void add(int y, int z, const CellRow& cells);
+    };
     struct Layer {
         std::shared_ptr<const OpenCells> cells;
-        std::vector<CellRow> reached, backwards; ///< what ways lead to along x, and against it: last cells first
-        Blocks blocks{}, blocksBackwards{};
-        Part finer; ///< where the next layer knows better, unless this is the finest one
+        Reached along, against; ///< in the end all is in the first
+        Part finer;             ///< where the next layer knows better, unless this is the finest one
     };
 
     void knowNothing();
