@@ -16,7 +16,7 @@ namespace app {
 namespace {
 
 /// Of fewer levels the tree takes no less: they are the grid of voxels.
-constexpr int kFewestLevels = render::kVoxelLevels;
+constexpr int kFewestLevels = render::kLeastVoxelLevel;
 
 std::string millimetresOf(double metres) {
     char text[32];

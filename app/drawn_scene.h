@@ -35,7 +35,7 @@ struct DeviceScene {
     std::unique_ptr<render::GpuPolygons> polygons; ///< null if there are none
 
     /// What of the scene need not be brought, since the unseen hides it; null: nothing.
-    render::UnseenGrid unseenGrid() const { return coverage ? coverage->openGrid() : nullptr; }
+    render::OpenGridPointer openGrid() const { return coverage ? coverage->openGrid() : nullptr; }
 };
 
 /// Throws scene::Failure, render::OutOfMemory or render::DeviceLost.

@@ -74,10 +74,10 @@ class GpuScene {
 
     /// Before each frame that these eyes get (see TileStream); nothing to do where all is there. unseen: what may hide
     /// samples from them.
-    void follow(std::span<const scene::View> eyes, const Quality& quality, const UnseenGrid& unseen = {}) {
+    void follow(std::span<const scene::View> eyes, const Quality& quality, const OpenGridPointer& unseen = {}) {
         if (stream_) stream_->follow({eyes, quality, soon_}, unseen, places_);
     }
-    void settle(std::span<const scene::View> eyes, const Quality& quality, const UnseenGrid& unseen = {}) {
+    void settle(std::span<const scene::View> eyes, const Quality& quality, const OpenGridPointer& unseen = {}) {
         if (stream_) stream_->settle({eyes, quality, shares_}, unseen, places_);
     }
 

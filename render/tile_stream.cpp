@@ -66,7 +66,7 @@ TileStream::~TileStream() {
     if (copy_ && !copy_->running.empty()) static_cast<void>(vkDeviceWaitIdle(device_));
 }
 
-void TileStream::follow(const LookedAt& looked, const UnseenGrid& unseen, std::span<ChunkPlace> places) {
+void TileStream::follow(const LookedAt& looked, const OpenGridPointer& unseen, std::span<ChunkPlace> places) {
     ++frame_;
     if (std::exchange(showsOnlyDesired_, false)) {
         ++changes_;
@@ -82,7 +82,7 @@ void TileStream::follow(const LookedAt& looked, const UnseenGrid& unseen, std::s
     wish(looked, unseen, false);
 }
 
-void TileStream::settle(const LookedAt& looked, const UnseenGrid& unseen, std::span<ChunkPlace> places) {
+void TileStream::settle(const LookedAt& looked, const OpenGridPointer& unseen, std::span<ChunkPlace> places) {
     ++frame_;
     const std::uint64_t number = wish(looked, unseen, true);
     for (;;) {
@@ -105,7 +105,7 @@ void TileStream::settle(const LookedAt& looked, const UnseenGrid& unseen, std::s
     }
 }
 
-std::uint64_t TileStream::wish(const LookedAt& looked, const UnseenGrid& unseen, bool isSettling) {
+std::uint64_t TileStream::wish(const LookedAt& looked, const OpenGridPointer& unseen, bool isSettling) {
     std::uint64_t number = 0;
     {
         const std::lock_guard lock(mutex_);

@@ -28,7 +28,7 @@ struct StreamCounts {
 };
 
 /// Null where nothing is known of the unseen, or nobody is shown it.
-using UnseenGrid = std::shared_ptr<const scene::OpenGrid>;
+using OpenGridPointer = std::shared_ptr<const scene::OpenGrid>;
 
 class TileStream {
   public:
@@ -43,11 +43,11 @@ class TileStream {
     /// Once before each frame, by the thread that draws: takes over what has arrived, gives back what nobody may be
     /// reading any more, and says what the eyes now look at. Never waits for the disk.
     /// unseen: what may hide chunks; null: nothing does.
-    void follow(const LookedAt& looked, const UnseenGrid& unseen, std::span<ChunkPlace> places);
+    void follow(const LookedAt& looked, const OpenGridPointer& unseen, std::span<ChunkPlace> places);
 
     /// Waits until all is there that these eyes want and that fits, and shows just that, so that what is drawn depends
     /// on the eyes alone. No frame may be running on the device.
-    void settle(const LookedAt& looked, const UnseenGrid& unseen, std::span<ChunkPlace> places);
+    void settle(const LookedAt& looked, const OpenGridPointer& unseen, std::span<ChunkPlace> places);
 
     /// Chunks that were found damaged since the last call, and are drawn as placeholders.
     std::vector<std::uint32_t> takeDamaged();
@@ -70,7 +70,7 @@ class TileStream {
         std::vector<scene::View> eyes;
         Quality quality;
         std::vector<float> shares;
-        UnseenGrid unseen;
+        OpenGridPointer unseen;
         std::uint64_t number = 0;
         bool isSettling = false;
 
@@ -79,7 +79,7 @@ class TileStream {
     struct Copy; ///< what goes through a staging buffer
 
     // The thread that draws.
-    std::uint64_t wish(const LookedAt& looked, const UnseenGrid& unseen, bool isSettling);
+    std::uint64_t wish(const LookedAt& looked, const OpenGridPointer& unseen, bool isSettling);
     void takeOver(std::span<ChunkPlace> places, bool isIdle);
     void copyArrived(std::span<ChunkPlace> places);
 
@@ -115,7 +115,7 @@ class TileStream {
     // Of the thread that streams.
     std::vector<RangeAllocator> free_;
     scene::OpenWays ways_;
-    UnseenGrid waysIn_;             ///< the grid that they were found in
+    OpenGridPointer waysIn_;        ///< the grid that they were found in
     std::uint64_t startedOver_ = 0; ///< number of the last wish for which all was thrown away
 
     // Under the mutex.

@@ -1,6 +1,5 @@
 #include "render/post/coverage_texels.h"
 
-#include "render/shaders/shared/unseen.h"
 #include "scene/coverage_levels.h"
 
 #include <algorithm>
@@ -15,8 +14,8 @@ namespace render {
 
 namespace {
 
-constexpr std::size_t kAcross = kVoxelsAcross, kVoxels = kAcross * kAcross * kAcross;
-constexpr std::uint8_t kOpen = 254; ///< before rings are counted: nothing unseen in it
+constexpr std::uint8_t kOpen = 254; ///< before rings are counted: nothing unseen in it; and the most rings
+constexpr std::size_t kLines = 32;  ///< that lie side by side, as one vector instruction or two take them
 
 using Texels = std::vector<CoverageTexel>;
 using Rings = std::vector<std::uint8_t>;
@@ -50,21 +49,99 @@ struct Tree {
     }
 };
 
+using Place = std::array<std::size_t, 3>;
+
 /// A cube of voxels: its first one, and how many along its edge.
 struct Cube {
-    std::array<std::size_t, 3> first{0, 0, 0};
+    Place first{0, 0, 0};
     std::size_t edge = 0;
+
+    Cube cell(int bit) const {
+        const auto b = static_cast<std::size_t>(bit);
+        const std::size_t part = edge / scene::kCoverageBranching;
+        return {{first[0] + b % 4 * part, first[1] + b / 4 % 4 * part, first[2] + b / 16 * part}, part};
+    }
 };
 
-std::size_t indexOf(const std::array<std::size_t, 3>& at) {
-    return (at[2] * kAcross + at[1]) * kAcross + at[0];
+/// A box of the cube's voxels, of which there are `across` along its edge.
+struct Box {
+    std::size_t across = 0;
+    Place first{}, count{};
+
+    std::size_t voxels() const { return count[0] * count[1] * count[2]; }
+    std::size_t indexOf(const Place& at) const {
+        return ((at[2] - first[2]) * count[1] + at[1] - first[1]) * count[0] + at[0] - first[0];
+    }
+};
+
+std::size_t acrossAt(int level) {
+    return std::size_t{1} << (2 * level);
+}
+
+/// From the least to the greatest of the smallest voxels in which anything was observed.
+struct Observed {
+    Place least{acrossAt(kMostVoxelLevel), acrossAt(kMostVoxelLevel), acrossAt(kMostVoxelLevel)}, end{};
+
+    explicit Observed(const Tree& tree) { add(tree.nodes, 0, {{0, 0, 0}, acrossAt(kMostVoxelLevel)}); }
+    bool isNothing() const { return end[0] == 0; }
+
+  private:
+    void add(const std::vector<scene::CoverageNode>& nodes, std::size_t index, const Cube& cube) {
+        const scene::CoverageNode& node = nodes[index];
+        for (std::uint64_t left = ~node.unseen; left != 0; left &= left - 1) {
+            const int bit = std::countr_zero(left);
+            const Cube cell = cube.cell(bit);
+            const auto isKnown = [&](std::size_t axis) {
+                return cell.first[axis] >= least[axis] && cell.first[axis] + cell.edge <= end[axis];
+            };
+            if (isKnown(0) && isKnown(1) && isKnown(2)) continue;
+            if ((node.children & scene::coverageMask(bit)) != 0 && cell.edge > 1) {
+                add(nodes, node.firstChild + scene::childRank(node.children, bit), cell);
+                continue;
+            }
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                least[axis] = std::min(least[axis], cell.first[axis]);
+                end[axis] = std::max(end[axis], cell.first[axis] + cell.edge);
+            }
+        }
+    }
+};
+
+/// The box at a level of the tree, with a voxel more on each side where there is one, and rows of whole vectors.
+Box boxAt(const Observed& observed, int level) {
+    Box box{acrossAt(level), {}, {}};
+    const std::size_t unit = acrossAt(kMostVoxelLevel - level);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const std::size_t least = observed.least[axis] / unit, end = (observed.end[axis] + unit - 1) / unit;
+        box.first[axis] = least - std::min<std::size_t>(least, 1);
+        box.count[axis] = std::min(end + 1, box.across) - box.first[axis];
+    }
+    box.count[0] = (box.count[0] + kLines - 1) / kLines * kLines;
+    box.first[0] = std::min(box.first[0], box.across - box.count[0]);
+    return box;
+}
+
+/// As fine as the most voxels allow, and no finer than the tree.
+Box boxOf(const Tree& tree, int levels) {
+    const Observed observed(tree);
+    if (observed.isNothing()) return {acrossAt(kLeastVoxelLevel), {0, 0, 0}, {kLines, 1, 1}};
+    Box box = boxAt(observed, kLeastVoxelLevel);
+    for (int level = kLeastVoxelLevel + 1; level <= std::min(levels, kMostVoxelLevel); ++level)
+        if (const Box finer = boxAt(observed, level); finer.voxels() <= kMostVoxels) box = finer;
+    return box;
+}
+
+UnseenGrid gridOf(const Box& box) {
+    const auto placed = [](const Place& place) { return vec3(glm::dvec3(place[0], place[1], place[2])); };
+    return {placed(box.first), static_cast<float>(box.across), placed(box.count),
+            static_cast<std::uint32_t>(box.voxels() / 16)};
 }
 
 /// What the tree says of each voxel.
 class Voxels {
   public:
-    explicit Voxels(const Tree& tree) : rings(kVoxels, kOpen), tree_(tree) {
-        put(0, {{0, 0, 0}, kAcross});
+    Voxels(const Tree& tree, const Box& box) : rings(box.voxels(), kOpen), tree_(tree), box_(box) {
+        put(0, {{0, 0, 0}, box.across});
         std::sort(divided.begin(), divided.end());
     }
 
@@ -73,28 +150,40 @@ class Voxels {
 
   private:
     void put(std::size_t node, const Cube& cube) {
-        const std::size_t edge = cube.edge / scene::kCoverageBranching;
-        const auto cellOf = [&](int bit) {
-            const auto b = static_cast<std::size_t>(bit);
-            return Cube{{cube.first[0] + b % 4 * edge, cube.first[1] + b / 4 % 4 * edge, cube.first[2] + b / 16 * edge},
-                        edge};
-        };
         for (std::uint64_t left = tree_.nodes[node].unseen; left != 0; left &= left - 1)
-            fill(cellOf(std::countr_zero(left)), 0);
+            fill(cube.cell(std::countr_zero(left)), 0);
         tree_.forChildren(node, [&](int bit, std::size_t child) {
-            if (edge > 1) return put(child, cellOf(bit));
-            divided.emplace_back(indexOf(cellOf(bit).first), child);
-            fill(cellOf(bit), kDividedVoxel);
+            const Cube cell = cube.cell(bit);
+            if (cell.edge > 1) return put(child, cell);
+            // Where nothing was observed there may be no voxels, and the tree may be divided for nothing.
+            if (!isInBox(cell.first)) return;
+            divided.emplace_back(box_.indexOf(cell.first), child);
+            fill(cell, kDividedVoxel);
         });
     }
 
+    bool isInBox(const Place& at) const {
+        const auto isIn = [&](std::size_t axis) {
+            return at[axis] >= box_.first[axis] && at[axis] < box_.first[axis] + box_.count[axis];
+        };
+        return isIn(0) && isIn(1) && isIn(2);
+    }
+
+    /// As much of it as is in the box.
     void fill(const Cube& cube, std::uint8_t value) {
-        for (std::size_t z = cube.first[2]; z < cube.first[2] + cube.edge; ++z)
-            for (std::size_t y = cube.first[1]; y < cube.first[1] + cube.edge; ++y)
-                std::fill_n(&rings[indexOf({cube.first[0], y, z})], cube.edge, value);
+        Place low{}, high{};
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            low[axis] = std::max(cube.first[axis], box_.first[axis]);
+            high[axis] = std::min(cube.first[axis] + cube.edge, box_.first[axis] + box_.count[axis]);
+            if (low[axis] >= high[axis]) return;
+        }
+        for (std::size_t z = low[2]; z < high[2]; ++z)
+            for (std::size_t y = low[1]; y < high[1]; ++y)
+                std::fill_n(&rings[box_.indexOf({low[0], y, z})], high[0] - low[0], value);
     }
 
     const Tree& tree_;
+    const Box& box_;
 };
 
 /// Those of divided voxels in the voxels' order, then all below them.
@@ -119,15 +208,15 @@ Texels nodesOf(const Tree& tree, const Voxels& voxels) {
 }
 
 /// Along a line of voxels that are open or not: how far each is from what is not open. Outside nothing was observed.
-void countAlongFirst(std::uint8_t* line) {
+void countAlongFirst(std::uint8_t* line, std::size_t count) {
     std::uint8_t far = 0;
     const auto visit = [&](std::uint8_t& voxel) {
         far = std::min(voxel, static_cast<std::uint8_t>(far + 1));
         voxel = far;
     };
-    std::for_each(line, line + kAcross, visit);
+    std::for_each(line, line + count, visit);
     far = 0;
-    std::for_each(std::reverse_iterator(line + kAcross), std::reverse_iterator(line), visit);
+    std::for_each(std::reverse_iterator(line + count), std::reverse_iterator(line), visit);
 }
 
 // By value: what std::min and std::max do through references g++ 12 makes no vectors of.
@@ -138,18 +227,17 @@ constexpr std::uint8_t greater(std::uint8_t a, std::uint8_t b) {
     return a > b ? a : b;
 }
 
-constexpr std::size_t kLines = 32; ///< that lie side by side, as one vector instruction or two take them
 using Side = std::array<std::uint8_t, kLines>;
 
-/// Along such lines, the voxels of each `step` apart: the least over all voxels of a line of how far that one is from
-/// what is not open, along the axes before, or on this line itself, whichever is more.
-void countAlong(std::uint8_t* lines, std::size_t step) {
-    std::array<Side, kAcross> from;
-    for (std::size_t i = 0; i < kAcross; ++i)
+/// Along such lines, the `count` voxels of each `step` apart: the least over all voxels of a line of how far that one
+/// is from what is not open, along the axes before, or on this line itself, whichever is more.
+void countAlong(std::uint8_t* lines, std::size_t count, std::size_t step) {
+    std::vector<Side> from(count);
+    for (std::size_t i = 0; i < count; ++i)
         std::copy_n(lines + i * step, kLines, from[i].begin());
-    for (std::size_t i = 0; i < kAcross; ++i) {
+    for (std::size_t i = 0; i < count; ++i) {
         Side best;
-        const auto toOutside = static_cast<std::uint8_t>(std::min(i + 1, kAcross - i));
+        const auto toOutside = static_cast<std::uint8_t>(std::min({i + 1, count - i, std::size_t{kOpen}}));
         std::uint8_t most = 0; // of the lines; what lies farther off than that is no nearer to any
         for (std::size_t l = 0; l < kLines; ++l) {
             best[l] = lesser(from[i][l], toOutside);
@@ -170,53 +258,57 @@ void countAlong(std::uint8_t* lines, std::size_t step) {
 /// Counts the rings of open voxels about each open one, itself the first: the chessboard distance (Rosenfeld and
 /// Pfaltz, "Distance functions on digital pictures", 1968) to the nearest that is not, which one axis after the other
 /// finds.
-void countRings(Rings& rings) {
+void countRings(Rings& rings, const Box& box) {
     std::vector<std::uint8_t> isDivided(rings.size());
     std::transform(rings.begin(), rings.end(), isDivided.begin(),
                    [](std::uint8_t ring) { return std::uint8_t{ring == kDividedVoxel}; });
     std::replace(rings.begin(), rings.end(), std::uint8_t{kDividedVoxel}, std::uint8_t{0});
-    constexpr std::size_t kPlane = kAcross * kAcross;
-    tbb::parallel_for(std::size_t{0}, kPlane, [&](std::size_t line) { countAlongFirst(&rings[line * kAcross]); });
-    const auto alongAll = [&](std::size_t step, std::size_t perOther) {
-        tbb::parallel_for(std::size_t{0}, kAcross, [&](std::size_t other) {
-            for (std::size_t x = 0; x < kAcross; x += kLines)
-                countAlong(&rings[other * perOther + x], step);
+    const auto [x, y, z] = box.count;
+    const std::size_t plane = x * y;
+    tbb::parallel_for(std::size_t{0}, y * z, [&, x = x](std::size_t line) { countAlongFirst(&rings[line * x], x); });
+    const auto alongAll = [&, x = x](std::size_t count, std::size_t step, std::size_t others, std::size_t perOther) {
+        tbb::parallel_for(std::size_t{0}, others, [&](std::size_t other) {
+            for (std::size_t line = 0; line < x; line += kLines)
+                countAlong(&rings[other * perOther + line], count, step);
         });
     };
-    alongAll(kAcross, kPlane);
-    alongAll(kPlane, kAcross);
+    alongAll(y, x, z, plane);
+    alongAll(z, plane, y, x);
     for (std::size_t i = 0; i < rings.size(); ++i)
         if (isDivided[i] != 0) rings[i] = kDividedVoxel;
 }
 
 } // namespace
 
-Texels coverageTexels(const scene::Coverage& coverage) {
+CoverageTexels coverageTexels(const scene::Coverage& coverage) {
     const Tree tree(coverage);
-    Voxels voxels(tree);
-    countRings(voxels.rings);
-    Texels texels(kFirstCoverageNode);
-    for (std::size_t i = 0; i < kVoxels; ++i)
+    const Box box = boxOf(tree, scene::levelsOf(coverage));
+    Voxels voxels(tree, box);
+    countRings(voxels.rings, box);
+    CoverageTexels all{gridOf(box), Texels(firstCoverageNode(gridOf(box)))};
+    Texels& texels = all.texels;
+    for (std::size_t i = 0; i < voxels.rings.size(); ++i)
         texels[i / 16][i / 4 % 4] |= std::uint32_t{voxels.rings[i]} << 8 * (i % 4);
     std::uint32_t before = 0;
-    for (std::size_t i = 0; i < kVoxels / 16; ++i) {
-        texels[kFirstBase + i / 4][i % 4] = before;
+    for (std::size_t i = 0; i < voxels.rings.size() / 16; ++i) {
+        texels[all.grid.firstBase + i / 4][i % 4] = before;
         while (before < voxels.divided.size() && voxels.divided[before].first / 16 == i)
             ++before;
     }
     const Texels nodes = nodesOf(tree, voxels);
     texels.insert(texels.end(), nodes.begin(), nodes.end());
-    return texels;
+    return all;
 }
 
 std::vector<std::size_t> coverageTexelsByLevels(const scene::Coverage& coverage) {
     const std::vector<std::uint8_t> hasUnseen = findUnseen(coverage.nodes);
     const std::vector<std::size_t> firsts = scene::firstNodesOf(coverage);
-    std::vector<std::size_t> texels{kFirstCoverageNode};
+    // Voxels are seldom as many, but how many there are only a tree knows that is coarsened.
+    std::vector<std::size_t> texels{kMostVoxels / 16 + kMostVoxels / 64};
     for (std::size_t level = 0; level + 1 < firsts.size(); ++level) {
         // Above those that voxels are divided into, the grid stands for the tree.
         std::size_t nodes = 0;
-        if (level >= kVoxelLevels)
+        if (level >= kLeastVoxelLevel)
             for (std::size_t i = firsts[level]; i < firsts[level + 1]; ++i)
                 nodes += hasUnseen[i];
         texels.push_back(texels.back() + kTexelsPerCoverageNode * nodes);

@@ -2,6 +2,7 @@
 // What was observed (scene/coverage.h) as shaders read it (shaders/shared/unseen.h): the tree, and beside it a grid of
 // voxels, each of which knows how far about it nothing is unseen, so that rays cross open space in few steps.
 
+#include "render/shaders/shared/unseen.h"
 #include "scene/coverage.h"
 
 #include <array>
@@ -10,6 +11,10 @@
 #include <vector>
 
 namespace render {
+
+inline constexpr int kLeastVoxelLevel = 4;           ///< of the tree, whose cells voxels are at least as small as
+inline constexpr int kMostVoxelLevel = 6;            ///< single precision tells them apart
+inline constexpr std::size_t kMostVoxels = 1u << 24; ///< as many as there are of the least level in the whole cube
 
 using CoverageTexel = std::array<std::uint32_t, 4>;
 
@@ -20,8 +25,16 @@ using CoverageTexel = std::array<std::uint32_t, 4>;
 ///     nodes    two texels each: masks of unseen and of divided cells, low words first; (first child, 0, 0, 0)
 ///
 /// Nodes of divided voxels come first, in the voxels' order, then all below. A cell without unseen space in it counts
-/// as seen whole, however it is divided. The same on any number of threads.
-std::vector<CoverageTexel> coverageTexels(const scene::Coverage& coverage);
+/// as seen whole, however it is divided. The voxels are a box about all that was observed, a voxel more on each side
+/// where there is more of the cube: as small as the most of them allow, since sites are wide and flat.
+struct CoverageTexels {
+    UnseenGrid grid;
+    std::vector<CoverageTexel> texels;
+    bool hasDivided() const { return texels.size() > firstCoverageNode(grid); } ///< voxels
+};
+
+/// The same on any number of threads.
+CoverageTexels coverageTexels(const scene::Coverage& coverage);
 
 /// How many texels at most there are of it coarsened to so many levels (scene/coverage_levels.h), by levels: from 0, of
 /// which there is none, to all it has.

@@ -39,7 +39,9 @@ GpuCoverage::GpuCoverage(const Device& device, std::shared_ptr<const scene::Open
     const scene::Coverage& coverage = openGrid_->coverage();
     cornerInWorld_ = coverage.cornerInWorld, edgeMetres_ = coverage.edgeMetres;
     levels_ = scene::levelsOf(coverage), finestCellMetres_ = scene::finestCellOf(coverage);
-    const std::vector<CoverageTexel> texels = coverageTexels(coverage);
+    const CoverageTexels made = coverageTexels(coverage);
+    grid_ = made.grid, hasDivided_ = made.hasDivided();
+    const std::vector<CoverageTexel>& texels = made.texels;
     if (texels.size() > device.limits().maxTexelBufferElements)
         throw scene::Failure("coverage takes " + std::to_string(texels.size()) + " texels, more than the " +
                                  std::to_string(device.limits().maxTexelBufferElements) + " a shader can read",
@@ -56,8 +58,8 @@ ComputePipeline makeUnseenPipeline(const Device& device, const GpuCoverage& cove
                                std::array{workgroupSize, std::uint32_t{coverage.hasDivided() ? 1u : 0u}});
 }
 
-UnseenConstants unseenConstants(const glm::dvec3& cornerInWorld, double edgeMetres, const scene::View& eye,
-                                const Quality& quality) {
+UnseenConstants unseenConstants(const glm::dvec3& cornerInWorld, double edgeMetres, const UnseenGrid& grid,
+                                const scene::View& eye, const Quality& quality) {
     const scene::Camera& camera = eye.camera;
     const glm::dmat3& rotation = eye.worldFromEye.rotation;
     const auto packed = [](const glm::dvec3& xyz, double w) { return vec4(vec3(xyz), static_cast<float>(w)); };
@@ -73,12 +75,15 @@ UnseenConstants unseenConstants(const glm::dvec3& cornerInWorld, double edgeMetr
     c.pattern = packed(phasePerMetre * edgeMetres, phase - std::floor(phase));
     c.fade = {static_cast<float>(1 / kStripeMetres), static_cast<float>(1 / std::min(camera.fx, camera.fy)), kSkyDepth,
               static_cast<float>(kSkyMetres)};
+    c.gridFirst = vec4(grid.first, grid.size);
+    c.gridCount = vec4(grid.count, static_cast<float>(grid.firstBase)); // exactly: there are not so many
     return c;
 }
 
 void recordUnseen(VkCommandBuffer commands, const ComputePipeline& pipeline, const GpuCoverage& coverage,
                   VkDescriptorSet eyeSet, const scene::View& eye, const Quality& quality) {
-    const UnseenConstants constants = unseenConstants(coverage.cornerInWorld(), coverage.edgeMetres(), eye, quality);
+    const UnseenConstants constants =
+        unseenConstants(coverage.cornerInWorld(), coverage.edgeMetres(), coverage.grid(), eye, quality);
     const std::array sets{eyeSet, coverage.set()};
     bind(commands, pipeline);
     vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline.layout(), 0,

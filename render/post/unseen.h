@@ -27,7 +27,8 @@ class GpuCoverage {
     double edgeMetres() const { return edgeMetres_; }
     int levels() const { return levels_; } ///< of its tree (scene/coverage_levels.h)
     double finestCellMetres() const { return finestCellMetres_; }
-    bool hasDivided() const { return texels_.size() / sizeof(CoverageTexel) > kFirstCoverageNode; } ///< voxels
+    const UnseenGrid& grid() const { return grid_; } ///< of voxels
+    bool hasDivided() const { return hasDivided_; }  ///< voxels
     std::size_t bytes() const { return texels_.size(); }
     /// On the processor: what it may hide. May outlive what is on the device, but not the coverage.
     const std::shared_ptr<const scene::OpenGrid>& openGrid() const { return openGrid_; }
@@ -40,6 +41,8 @@ class GpuCoverage {
     int levels_ = 0;
     double finestCellMetres_ = 0;
     std::shared_ptr<const scene::OpenGrid> openGrid_;
+    UnseenGrid grid_{};
+    bool hasDivided_ = false;
     Buffer texels_;
     BufferView view_;
     VkDescriptorSetLayout layout_ = VK_NULL_HANDLE;
@@ -49,8 +52,8 @@ class GpuCoverage {
 
 ComputePipeline makeUnseenPipeline(const Device& device, const GpuCoverage& coverage, VkDescriptorSetLayout eyeLayout);
 
-UnseenConstants unseenConstants(const glm::dvec3& cornerInWorld, double edgeMetres, const scene::View& eye,
-                                const Quality& quality);
+UnseenConstants unseenConstants(const glm::dvec3& cornerInWorld, double edgeMetres, const UnseenGrid& grid,
+                                const scene::View& eye, const Quality& quality);
 
 /// After the eye was resolved, with reads and writes of its picture behind a barrier before and after.
 void recordUnseen(VkCommandBuffer commands, const ComputePipeline& pipeline, const GpuCoverage& coverage,

@@ -18,6 +18,12 @@ uvec4 coverageTexel(uint index) { return texelFetch(coverageTexels, int(index));
 
 layout(push_constant) uniform Constants { UnseenConstants constants; };
 
+UnseenGrid coverageGrid()
+{
+    return UnseenGrid(constants.gridFirst.xyz, constants.gridFirst.w, constants.gridCount.xyz,
+                      uint(int(constants.gridCount.w)));
+}
+
 uvec2 pixelOf(uint k) { return gl_WorkGroupID.xy * kBeamPixels + uvec2(k % kBeamPixels, k / kBeamPixels); }
 
 bool isInPicture(uvec2 at) { return at.x < uint(constants.perX.w) && at.y < uint(constants.perY.w); }

@@ -46,8 +46,8 @@ TEST_F(CoverageForms, AsFineAsItsShareAllowsAndAtLeastTheCoarsest) {
     EXPECT_EQ(finer.bytes, bytesOf(5));
     EXPECT_EQ(finer.why, "asked");
     const CoverageForm coarsest = formOf(kNoLimit, {.mostBytes = 0, .whyNoMore = "asked"});
-    EXPECT_EQ(coarsest.levels, render::kVoxelLevels);
-    EXPECT_EQ(coarsest.bytes, bytesOf(render::kVoxelLevels));
+    EXPECT_EQ(coarsest.levels, render::kLeastVoxelLevel);
+    EXPECT_EQ(coarsest.bytes, bytesOf(render::kLeastVoxelLevel));
 }
 
 TEST_F(CoverageForms, AsFineAsShadersCanRead) {

@@ -18,13 +18,22 @@ namespace {
 
 /// The tree's texels as the shared code asks for them.
 struct Texels {
-    std::vector<CoverageTexel> words;
-    explicit Texels(const scene::Coverage& coverage) : words(coverageTexels(coverage)) {}
+    CoverageTexels made;
+    explicit Texels(const scene::Coverage& coverage) : made(coverageTexels(coverage)) {}
+    const UnseenGrid& grid() const { return made.grid; }
     uvec4 operator()(uint index) const {
-        const CoverageTexel& texel = words.at(index);
+        const CoverageTexel& texel = made.texels.at(index);
         return {texel[0], texel[1], texel[2], texel[3]};
     }
 };
+
+constexpr unsigned kVoxelsAcross = 256; ///< of grids that take up the whole cube
+
+/// Some of a site of 16 x 16 x 16 cubes, in one floor; nobody saw the rest. levels: of all.
+scene::Coverage flatSite(std::uint32_t seed, int levels, double unseenShare, double dividedShare = 0.3) {
+    const scene::Coverage part = scene::randomCoverage(seed, levels - 2, unseenShare, dividedShare);
+    return coverageManyTimes(part, {{5, 7, 3}, {6, 7, 3}, {8, 9, 3}}, {-40, 12, 7}, 2);
+}
 
 /// Half of the room of takeRoom, as if nobody had looked behind x = 0.6, nor into a corner above.
 scene::Coverage roomCoverage(const glm::dvec3& offset = glm::dvec3(0)) {
@@ -68,25 +77,29 @@ scene::Coverage roomCoverage(const glm::dvec3& offset = glm::dvec3(0)) {
     return coverage;
 }
 
-TEST(UnseenWalk, FindsTheCellsOfTheTree) {
-    constexpr int kLevels = 6; // two below the voxels
-    const scene::Coverage coverage = scene::randomCoverage(1, kLevels, 0.3, 0.15);
+/// Of places between two of the cube's.
+void expectToFindTheCells(const scene::Coverage& coverage, const glm::dvec3& least, const glm::dvec3& most) {
+    const int levels = scene::levelsOf(coverage);
     const Texels texels(coverage);
     std::mt19937 random(2);
     const auto uniform = [&] { return static_cast<double>(random()) / 4294967296.0; };
+    const auto place = [&] {
+        const double x = uniform(), y = uniform(), z = uniform();
+        return least + (most - least) * glm::dvec3(x, y, z);
+    };
     const auto isDivided = [&](const glm::dvec3& p) { return unseenVoxelAt(texels, vec3(p)).rings == kDividedVoxel; };
     int unseen = 0, divided = 0;
     for (int i = 0; i < 20000; ++i) {
-        glm::dvec3 p(uniform(), uniform(), uniform());
+        glm::dvec3 p = place();
         // Half of them where the tree goes on below the voxels, which is a small part of space.
         for (int k = 0; i % 2 == 0 && k < 100000 && !isDivided(p); ++k)
-            p = {uniform(), uniform(), uniform()};
+            p = place();
         divided += isDivided(p) ? 1 : 0;
         const bool isUnseen =
             scene::observedAt(coverage, coverage.cornerInWorld + coverage.edgeMetres * p) == scene::Observed::unseen;
         unseen += isUnseen ? 1 : 0;
         // At a face between two cells single precision may choose the other one.
-        const double cells = std::pow(4.0, kLevels);
+        const double cells = std::pow(4.0, levels);
         const glm::dvec3 inFinest = p * cells - glm::floor(p * cells);
         if (std::min({inFinest.x, inFinest.y, inFinest.z}) < 1e-3 ||
             std::max({inFinest.x, inFinest.y, inFinest.z}) > 1 - 1e-3)
@@ -95,6 +108,40 @@ TEST(UnseenWalk, FindsTheCellsOfTheTree) {
     }
     EXPECT_GT(unseen, 4000);
     EXPECT_GT(divided, 9000);
+}
+
+TEST(UnseenWalk, FindsTheCellsOfTheTree) {
+    // Two levels below the voxels.
+    expectToFindTheCells(scene::randomCoverage(1, 6, 0.3, 0.15), glm::dvec3(0), glm::dvec3(1));
+}
+
+TEST(UnseenWalk, FindsTheCellsOfAFlatSite) {
+    const scene::Coverage site = flatSite(1, 6, 0.3, 0.15);
+    expectToFindTheCells(site, glm::dvec3(5, 7, 3) / 16.0, glm::dvec3(9, 10, 4) / 16.0);
+    const UnseenGrid grid = Texels(site).grid();
+    EXPECT_EQ(grid.size, 1024) << "a level finer than if it took up the cube";
+    EXPECT_LE(grid.count.x * grid.count.y * grid.count.z, static_cast<float>(kMostVoxels));
+    EXPECT_LT(grid.count.z, 67);
+    for (int axis = 0; axis < 3; ++axis) {
+        // A voxel more on each side, in which nothing was observed.
+        EXPECT_LE(grid.first[axis], 64.0f * vec3(5, 7, 3)[axis] - 1);
+        EXPECT_GE(grid.first[axis] + grid.count[axis], 64.0f * vec3(9, 10, 4)[axis] + 1);
+    }
+    // As fine as the tree, and no finer.
+    EXPECT_EQ(Texels(flatSite(1, 5, 0.3)).grid().size, 1024);
+    EXPECT_FALSE(coverageTexels(flatSite(1, 5, 0.3)).hasDivided());
+    EXPECT_EQ(Texels(flatSite(1, 4, 0.3)).grid().size, 256);
+}
+
+TEST(UnseenWalk, WhereNothingWasObservedAllIsUnseen) {
+    scene::Coverage coverage{glm::dvec3(1, 2, 3), 4, std::vector<scene::CoverageNode>(1)};
+    coverage.nodes[0].unseen = ~std::uint64_t{0};
+    const Texels texels(coverage);
+    for (const float x : {0.01f, 0.4f, 0.99f}) {
+        const UnseenHit hit = walkToUnseen(texels, vec3(x, 0.3f, 0.6f), vec3(0.25f, 0.01f, 0.02f), 0.5f, 3, vec2(0.0f));
+        EXPECT_TRUE(hit.isUnseen);
+        EXPECT_EQ(hit.depth, 3);
+    }
 }
 
 /// The first unseen point on a ray in steps far smaller than the cells; asked of the tree itself.
@@ -133,14 +180,14 @@ TEST(UnseenWalk, StopsWhereTheRayEntersTheUnseen) {
 }
 
 // The walker's hand meets what the eye is shown.
-TEST(UnseenWalk, IsThatOfRaysInDoublePrecision) {
-    const scene::Coverage coverage = scene::randomCoverage(3, 3, 0.08);
+void expectToBeThatOfRays(const scene::Coverage& coverage, const glm::dvec3& middle, double around) {
     const Texels texels(coverage);
     std::mt19937 random(7);
     const auto uniform = [&] { return static_cast<double>(random()) / 4294967296.0; };
     int met = 0, differ = 0;
     for (int i = 0; i < 4000; ++i) {
-        const glm::dvec3 eye = 2.0 * glm::dvec3(uniform(), uniform(), uniform()) - 0.5; // half of them outside
+        const double x = uniform(), y = uniform(), z = uniform();
+        const glm::dvec3 eye = middle + around * (2.0 * glm::dvec3(x, y, z) - 1.0); // half of them outside
         const glm::dvec3 unit = glm::normalize(glm::dvec3(uniform() - 0.5, uniform() - 0.5, uniform() - 0.5));
         const double end = 8 * uniform(), pocket = i % 2 == 0 ? 0 : uniform();
         const auto found =
@@ -154,6 +201,16 @@ TEST(UnseenWalk, IsThatOfRaysInDoublePrecision) {
     EXPECT_GT(met, 1000);
     EXPECT_LT(met, 3900);
     EXPECT_LE(differ, 8);
+}
+
+TEST(UnseenWalk, IsThatOfRaysInDoublePrecision) {
+    expectToBeThatOfRays(scene::randomCoverage(3, 3, 0.08), glm::dvec3(0.5), 1);
+}
+
+TEST(UnseenWalk, IsThatOfRaysAtAFlatSite) {
+    const glm::dvec3 middle = glm::dvec3(6, 7.5, 3.5) / 16.0;
+    expectToBeThatOfRays(flatSite(3, 5, 0.08), middle, 1.2 / 16);
+    expectToBeThatOfRays(flatSite(3, 6, 0.08), middle, 1.2 / 16);
 }
 
 TEST(UnseenWalk, AnEyeInThePocketLooksThroughIt) {
@@ -231,15 +288,16 @@ TEST(UnseenWalk, RingsAreAllTheOpenCubesOfVoxelsAboutOne) {
 }
 
 /// Beams of rays through a tree: what they pass together is open, and each finds what it finds alone.
-void expectToGoTogether(const scene::Coverage& coverage, float pocket) {
+void expectToGoTogether(const scene::Coverage& coverage, float pocket, const vec3& least = vec3(0.0f), float edge = 1) {
     const Texels texels(coverage);
     std::mt19937 random(8);
     const auto uniform = [&] { return static_cast<float>(random()) / 4294967296.0f; };
     int beams = 0, together = 0, later = 0, differ = 0;
     for (int i = 0; i < 400; ++i) {
-        const vec3 eye(uniform(), uniform(), uniform());
-        const vec3 base(uniform() - 0.5f, uniform() - 0.5f, uniform() - 0.5f);
-        const vec3 across(0.02f * uniform(), 0.02f * uniform(), 0.0f), down(0.0f, 0.0f, 0.02f * uniform());
+        const vec3 eye = least + edge * vec3(uniform(), uniform(), uniform());
+        const vec3 base = edge * vec3(uniform() - 0.5f, uniform() - 0.5f, uniform() - 0.5f);
+        const vec3 across = edge * vec3(0.02f * uniform(), 0.02f * uniform(), 0.0f),
+                   down = edge * vec3(0.0f, 0.0f, 0.02f * uniform());
         const float farthest = i % 2 == 0 ? kRayInfinity : 2 * uniform();
         const vec2 open = openStretch(texels, eye, base, across, down, farthest);
         ++beams, together += open.y - open.x > 0.05f ? 1 : 0, later += open.y > open.x && open.x > 0 ? 1 : 0;
@@ -272,20 +330,22 @@ TEST(UnseenWalk, GoesTogetherWhereItIsOpenForAll) {
     expectToGoTogether(coverage, 0);
     expectToGoTogether(coverage, 0.3f);
     expectToGoTogether(scene::coarsened(coverage, 4), 0.3f);
+    const vec3 least = vec3(5, 7, 3) / 16.0f;
+    expectToGoTogether(flatSite(7, 6, 0.001), 0.3f, least, 1.0f / 16);
 }
 
 TEST(UnseenWalk, NoMoreTexelsThanAreForetold) {
     const scene::Coverage coverage = scene::randomCoverage(9, 6, 0.3, 0.15);
     const std::vector<std::size_t> most = coverageTexelsByLevels(coverage);
     ASSERT_EQ(most.size(), 7u);
-    EXPECT_EQ(most[6], coverageTexels(coverage).size()) << "all of it is counted exactly";
+    EXPECT_EQ(most[6], coverageTexels(coverage).texels.size()) << "all of it is counted exactly";
     for (int levels = 5; levels >= 3; --levels) {
-        const std::size_t texels = coverageTexels(scene::coarsened(coverage, levels)).size(),
+        const std::size_t texels = coverageTexels(scene::coarsened(coverage, levels)).texels.size(),
                           foretold = most[static_cast<std::size_t>(levels)];
         EXPECT_LE(texels, foretold) << levels;
         EXPECT_LT(foretold, levels > 4 ? most[static_cast<std::size_t>(levels) + 1] : foretold + 1);
     }
-    EXPECT_EQ(most[4], coverageTexels(scene::coarsened(coverage, 2)).size()) << "the grid alone";
+    EXPECT_EQ(most[4], coverageTexels(scene::coarsened(coverage, 2)).texels.size()) << "the grid alone";
 }
 
 class Unseen : public RenderTest {
@@ -333,7 +393,8 @@ TEST_P(UnseenOfLevels, PixelsAreThoseOfTheProcessor) {
         const std::vector<EyeImage> drawn = draw(eyes, &coverage, quality);
         const std::vector<EyeImage> before = draw(eyes, nullptr, quality);
         for (std::size_t eye = 0; eye < 2; ++eye) {
-            const UnseenConstants c = unseenConstants(coverage.cornerInWorld, coverage.edgeMetres, eyes[eye], quality);
+            const UnseenConstants c =
+                unseenConstants(coverage.cornerInWorld, coverage.edgeMetres, texels.grid(), eyes[eye], quality);
             int differ = 0, unseen = 0, kept = 0;
             for (int y = 0; y < 117; ++y)
                 for (int x = 0; x < 157; ++x) {
@@ -369,7 +430,8 @@ TEST_F(Unseen, BothEyesSeeOnePatternInTheWorld) {
     const auto eyes = eyesAt();
     const Quality quality;
     const std::vector<EyeImage> drawn = draw(eyes, &coverage, quality);
-    const UnseenConstants right = unseenConstants(coverage.cornerInWorld, coverage.edgeMetres, eyes[1], quality);
+    const UnseenConstants right =
+        unseenConstants(coverage.cornerInWorld, coverage.edgeMetres, coverageTexels(coverage).grid, eyes[1], quality);
     int compared = 0, worst = 0, light = 0;
     for (int y = 0; y < 120; ++y)
         for (int x = 0; x < 160; ++x) {

@@ -17,7 +17,7 @@
 // below, not even where a driver does both sides of a branch.
 //
 // Before this header: texels of four words each through coverageTexel(index), as render/post/coverage_texels.h lays
-// them out.
+// them out; behind it, of which grid they are through coverageGrid().
 
 #include "render/shaders/shared/language.h"
 #include "render/shaders/shared/z_key.h"
@@ -35,6 +35,17 @@ struct UnseenConstants {
     vec4 perY;    ///< or down adds; w: pixels down
     vec4 pattern; ///< stripes' phase per edge of the cube, along x, y, z; w: phase at the eye
     vec4 fade; ///< x: phase per metre; y: a pixel's width at depth 1; z: depth of the sky; w: where it is drawn as if
+    vec4 gridFirst; ///< UnseenGrid::first; w: its size
+    vec4 gridCount; ///< UnseenGrid::count; w: its firstBase
+};
+
+/// The voxels: a box of cells of one level of the tree about all that was observed. Outside of it, in the cube, all is
+/// unseen; nothing is known outside of the cube.
+struct UnseenGrid {
+    vec3 first;     ///< of all voxels that the cube would have room for, the first one along each axis
+    float size;     ///< voxels along the edge of the cube
+    vec3 count;     ///< voxels along each edge of the box
+    uint firstBase; ///< texel
 };
 
 /// A place in the tree: the cell that a point is in.
@@ -52,14 +63,10 @@ struct UnseenHit {
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(UnseenConstants) == 96);
+static_assert(sizeof(UnseenConstants) == 128); // as much as every device takes
 #endif
 
 SHARED_CONSTANT uint kTexelsPerCoverageNode = 2u;
-SHARED_CONSTANT uint kVoxelsAcross = 256u; ///< along the edge of the cube: what nodes of the fourth level have cells
-SHARED_CONSTANT int kVoxelLevels = 4;      ///< of the tree, down to nodes that have voxels for cells
-SHARED_CONSTANT uint kFirstBase = kVoxelsAcross * kVoxelsAcross * kVoxelsAcross / 16u;
-SHARED_CONSTANT uint kFirstCoverageNode = kFirstBase + kFirstBase / 4u;
 SHARED_CONSTANT uint kDividedVoxel = 255u; ///< instead of rings: the tree knows more of the voxel
 SHARED_CONSTANT uint kBeamPixels = 8u;     ///< along the side of a block of pixels
 SHARED_CONSTANT int kMostBeamSteps = 64;
@@ -75,16 +82,24 @@ constexpr bool kHasDivided = true;
 #define COVERAGE_PARAMETER const CoverageTexels &texels,
 #define COVERAGE_ARGUMENT texels,
 #define COVERAGE_TEXEL(index) texels(index)
+#define COVERAGE_GRID texels.grid()
 #define COVERAGE_TEMPLATE template <class CoverageTexels>
 inline int bitCount(uint word) {
     return std::popcount(word);
 }
 #else
+UnseenGrid coverageGrid();
 #define COVERAGE_PARAMETER
 #define COVERAGE_ARGUMENT
 #define COVERAGE_TEXEL(index) coverageTexel(index)
+#define COVERAGE_GRID coverageGrid()
 #define COVERAGE_TEMPLATE
 #endif
+
+/// Of sixteen voxels there is a word for how many divided ones come before them, four of these to a texel.
+SHARED_FUNCTION uint firstCoverageNode(UnseenGrid grid) {
+    return grid.firstBase + (grid.firstBase + 3u) / 4u;
+}
 
 /// One of four words, by the last two bits of a number.
 SHARED_FUNCTION uint wordOf(uvec4 words, uint i) {
@@ -102,17 +117,19 @@ SHARED_FUNCTION int dividedIn(uint word) {
 
 struct UnseenVoxel {
     uint index;
-    vec3 at;       ///< its place, in voxels
+    vec3 at;       ///< its place in the cube, in voxels
     uvec4 sixteen; ///< the rings of its sixteen
     uint rings;    ///< so many cubes of voxels about each other, this the first, are open; 0: unseen; or kDividedVoxel
 };
 
 /// p in the cube.
 COVERAGE_TEMPLATE SHARED_FUNCTION UnseenVoxel unseenVoxelAt(COVERAGE_PARAMETER vec3 p) {
+    UnseenGrid grid = COVERAGE_GRID;
     UnseenVoxel voxel;
-    voxel.at = clamp(floor(p * float(kVoxelsAcross)), vec3(0.0f), vec3(float(kVoxelsAcross - 1u)));
-    uint row = uint(int(voxel.at.z)) * kVoxelsAcross + uint(int(voxel.at.y));
-    voxel.index = row * kVoxelsAcross + uint(int(voxel.at.x));
+    voxel.at = clamp(floor(p * grid.size), grid.first, grid.first + grid.count - vec3(1.0f));
+    vec3 inGrid = voxel.at - grid.first;
+    uint row = uint(int(inGrid.z)) * uint(int(grid.count.y)) + uint(int(inGrid.y));
+    voxel.index = row * uint(int(grid.count.x)) + uint(int(inGrid.x));
     voxel.sixteen = COVERAGE_TEXEL(voxel.index >> 4);
     voxel.rings = (wordOf(voxel.sixteen, voxel.index >> 2) >> (8u * (voxel.index & 3u))) & 255u;
     return voxel;
@@ -120,17 +137,19 @@ COVERAGE_TEMPLATE SHARED_FUNCTION UnseenVoxel unseenVoxelAt(COVERAGE_PARAMETER v
 
 /// Of a divided voxel.
 COVERAGE_TEMPLATE SHARED_FUNCTION uint nodeOfVoxel(COVERAGE_PARAMETER UnseenVoxel voxel) {
+    UnseenGrid grid = COVERAGE_GRID;
+    uint firstBase = grid.firstBase;
     uint word = (voxel.index >> 2) & 3u;
     uint before = wordOf(voxel.sixteen, word) & ((1u << (8u * (voxel.index & 3u))) - 1u);
     int rank = dividedIn(before) + (word > 0u ? dividedIn(voxel.sixteen.x) : 0) +
                (word > 1u ? dividedIn(voxel.sixteen.y) : 0) + (word > 2u ? dividedIn(voxel.sixteen.z) : 0);
-    return wordOf(COVERAGE_TEXEL(kFirstBase + (voxel.index >> 6)), voxel.index >> 4) + uint(rank);
+    return wordOf(COVERAGE_TEXEL(firstBase + (voxel.index >> 6)), voxel.index >> 4) + uint(rank);
 }
 
-/// The box of open voxels about one that is not divided, or that voxel, if it is unseen; p in the voxel.
-SHARED_FUNCTION UnseenCell boxAbout(UnseenVoxel voxel, vec3 p) {
+/// The box of open voxels about one that is not divided, or that voxel, if it is unseen; p in the voxel; size: voxels
+/// along the edge of the cube.
+SHARED_FUNCTION UnseenCell boxAbout(UnseenVoxel voxel, vec3 p, float size) {
     float beside = max(float(voxel.rings), 1.0f) - 1.0f, edge = 2.0f * beside + 1.0f;
-    float size = float(kVoxelsAcross);
     UnseenCell cell;
     cell.isUnseen = voxel.rings == 0u;
     cell.scale = size / edge;
@@ -141,9 +160,11 @@ SHARED_FUNCTION UnseenCell boxAbout(UnseenVoxel voxel, vec3 p) {
 /// The cell of the tree that p is in, or the box of open voxels about it; p in the cube.
 COVERAGE_TEMPLATE SHARED_FUNCTION UnseenCell unseenCellAt(COVERAGE_PARAMETER vec3 p) {
     UnseenVoxel voxel = unseenVoxelAt(COVERAGE_ARGUMENT p);
-    if (!kHasDivided || voxel.rings != kDividedVoxel) return boxAbout(voxel, p);
+    UnseenGrid grid = COVERAGE_GRID;
+    float size = grid.size;
+    if (!kHasDivided || voxel.rings != kDividedVoxel) return boxAbout(voxel, p, size);
     UnseenCell cell;
-    float size = float(kVoxelsAcross);
+    uint firstNode = firstCoverageNode(grid);
     uint node = nodeOfVoxel(COVERAGE_ARGUMENT voxel);
     vec3 within = (p * size - voxel.at) * 4.0f;
     float scale = size * 4.0f;
@@ -153,7 +174,7 @@ COVERAGE_TEMPLATE SHARED_FUNCTION UnseenCell unseenCellAt(COVERAGE_PARAMETER vec
         uint bit = uint(int(at.x)) + 4u * uint(int(at.y)) + 16u * uint(int(at.z));
         bool isHigh = bit >= 32u;
         uint mask = 1u << (bit & 31u);
-        uint texel = kFirstCoverageNode + node * kTexelsPerCoverageNode;
+        uint texel = firstNode + node * kTexelsPerCoverageNode;
         uvec4 masks = COVERAGE_TEXEL(texel);
         uint unseen = isHigh ? masks.y : masks.x;
         uint children = isHigh ? masks.w : masks.z;
@@ -196,7 +217,8 @@ SHARED_FUNCTION float safeInverse(float part) {
 /// of what was observed, or in a pocket.
 COVERAGE_TEMPLATE SHARED_FUNCTION vec2 openStretch(COVERAGE_PARAMETER vec3 eye, vec3 base, vec3 across, vec3 down,
                                                    float end) {
-    float size = float(kVoxelsAcross);
+    UnseenGrid grid = COVERAGE_GRID;
+    float size = grid.size;
     vec3 middle = base + 0.5f * (across + down);
     vec3 beside = 0.5f * (abs(across) + abs(down));
     // All are between two rays, seen along each axis by itself.
@@ -233,6 +255,10 @@ COVERAGE_TEMPLATE SHARED_FUNCTION vec2 openStretch(COVERAGE_PARAMETER vec3 eye, 
     return best;
 }
 
+SHARED_FUNCTION bool isInCube(vec3 p) {
+    return min(min(p.x, p.y), p.z) >= 0.0f && max(max(p.x, p.y), p.z) < 1.0f;
+}
+
 SHARED_FUNCTION vec3 inCubeAt(vec3 eye, vec3 direction, float t) {
     PRECISE vec3 p = eye + t * direction;
     return clamp(p, vec3(0.0f), vec3(0.9999999f));
@@ -246,14 +272,21 @@ COVERAGE_TEMPLATE SHARED_FUNCTION UnseenHit walkToUnseen(COVERAGE_PARAMETER vec3
     hit.isUnseen = false;
     hit.depth = kRayInfinity;
     vec3 per = vec3(safeInverse(direction.x), safeInverse(direction.y), safeInverse(direction.z));
-    // Where the cube begins and ends; outside nothing was observed.
-    vec3 toLow = (vec3(0.0f) - eye) * per;
-    vec3 toHigh = (vec3(1.0f) - eye) * per;
+    // Where the grid begins and ends; outside nothing was observed.
+    UnseenGrid grid = COVERAGE_GRID;
+    vec3 toLow = (grid.first / grid.size - eye) * per;
+    vec3 toHigh = ((grid.first + grid.count) / grid.size - eye) * per;
     vec3 in_ = min(toLow, toHigh);
     vec3 out_ = max(toLow, toHigh);
     float enter = max(max(max(in_.x, in_.y), in_.z), 0.0f);
     float leave = min(min(out_.x, out_.y), out_.z);
     bool isMissed = !(enter < leave);
+    if (pocket <= 0.0f && (isMissed || enter > 0.0f) && isInCube(eye)) {
+        // Beside the grid, in the cube: unseen where the eye stands.
+        hit.isUnseen = end > 0.0f;
+        hit.depth = 0.0f;
+        return hit;
+    }
 
     bool isEyeOpen = open.x <= 0.0f && open.y > 0.0f;
     bool isInPocket = !isEyeOpen && (isMissed || enter > 0.0f || pocket > 0.0f);
