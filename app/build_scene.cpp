@@ -75,7 +75,7 @@ std::string someOf(const std::vector<std::string>& names) {
 
 /// Photographs that the others contradict, and those of which no other can say anything.
 void sayWhichStandAlone(const Overlaps& overlaps, const SkinStage& skins, scene::Capture& capture) {
-    if (!capture.scans.empty() || !capture.polygons.empty() || skins.images.size() < 2) return;
+    if (!capture.isOfPhotographsAlone() || skins.images.size() < 2) return;
     std::vector<std::string> contradicted, unseen;
     for (const scene::Contradiction& contradiction : skins.contradictions)
         contradicted.push_back(skins.images[contradiction.image].name);
@@ -162,12 +162,10 @@ void runStages(scene::Capture& capture, const scene::HeldOut& heldOut, const Bui
     const double spentStops =
         reports.photographEvening.is_null() ? 0 : reports.photographEvening.at("most_stops").get<double>();
     reports.evening = evenImages(imported, overlaps, options, store, spentStops);
-    // Scans and polygons have their range and their colours from one place.
-    if (capture.polygons.empty() && capture.scans.empty())
-        reports.silhouettes = settleSilhouettes(imported, overlaps, options, store);
+    if (capture.isOfPhotographsAlone()) reports.silhouettes = settleSilhouettes(imported, overlaps, options, store);
     SkinStage skins = markSkins(imported, overlaps, options, store);
     // How scans stand is registration's to tell, and polygons stand where they stand.
-    if (!capture.scans.empty() || !capture.polygons.empty()) skins.contradictions.clear();
+    if (!capture.isOfPhotographsAlone()) skins.contradictions.clear();
     if (skins.figures.samples == 0) throw nothingToBuild(options);
     for (const std::string& scan : imported.emptyScans)
         tell(capture, "Scan '" + scan + "' holds no point with range: nothing of it is in the scene.");
@@ -205,8 +203,7 @@ void buildScene(const BuildOptions& options) {
     if (!options.camera.empty()) useCameraFile(capture, options.camera);
     const scene::HeldOut heldOut = scene::findHeldOut(capture, options.holdOut);
     checkHeldOut(heldOut, options, capture);
-    if (capture.polygons.empty() && capture.scans.empty() && heldOut.photos.size() == capture.photos.size())
-        throw nothingToBuild(options);
+    if (capture.isOfPhotographsAlone() && heldOut.photos.size() == capture.photos.size()) throw nothingToBuild(options);
     for (const std::string& remark : capture.remarks)
         sayNote(remark);
     sayIfAtOnePlace(options, capture);

@@ -209,7 +209,7 @@ void writeScene(const std::filesystem::path& output, const scene::Capture& captu
         if (!coverage.file.empty()) copyFile(coverage.file, part / scene::kCoverageFile);
 
         json images = json::array(), heldOutCameras = json::array(), inputs = json::array();
-        json contradictions = capture.scans.empty() && capture.polygons.empty() ? json::array() : json();
+        json contradictions = capture.isOfPhotographsAlone() ? json::array() : json();
         for (const scene::Contradiction& c : skins.contradictions)
             contradictions.push_back({{"image", imported.images[c.image].name}, {"share", c.share}});
         for (std::size_t i = 0; i < imported.images.size(); ++i) {
