@@ -129,7 +129,7 @@ struct Drawn {
 
     void prepare(std::span<const scene::View> eyes, const render::Quality& quality) const {
         scene.images->showOnly(selection.choose(eyes, quality));
-        scene.images->settle(eyes, quality, scene.openGrid());
+        scene.images->settle(eyes, quality, scene.hidingCoverage());
     }
 };
 

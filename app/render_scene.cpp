@@ -88,7 +88,7 @@ class Canvas {
     const render::Device& device() const { return *device_; }
     render::GpuScene& gpuScene() { return *on_.images; }
     const render::GpuCoverage* coverage() const { return on_.coverage.get(); }
-    render::OpenGridPointer openGrid() const { return on_.openGrid(); }
+    const scene::Coverage* hidingCoverage() const { return on_.hidingCoverage(); }
 
   private:
     void make() {
@@ -215,7 +215,7 @@ void renderScene(const RenderOptions& options) {
             const render::Quality given = without(quality, givenUp);
             try {
                 canvas.gpuScene().showOnly(selection.choose(eyeViews, given));
-                canvas.gpuScene().settle(eyeViews, given, canvas.openGrid());
+                canvas.gpuScene().settle(eyeViews, given, canvas.hidingCoverage());
                 for (const std::string& sentence : damage.news(canvas.gpuScene(), scene))
                     say(sentence);
                 render::Overlay overlay;

@@ -373,9 +373,9 @@ void Walk::draw(WalkStage& stage, xr::ViewSource& source, const xr::Frame& frame
     fillOverlay(source);
     if (options_.isHeadless && stage.gpuScene().isStreamed()) {
         if (renderer.frames() > 0) renderer.finish(); // nobody waits, and pictures must not hang on the disk
-        stage.gpuScene().settle(std::span(views).first(eyes), drawn_, stage.openGrid());
+        stage.gpuScene().settle(std::span(views).first(eyes), drawn_, stage.hidingCoverage());
     } else {
-        stage.gpuScene().follow(std::span(views).first(eyes), drawn_, stage.openGrid());
+        stage.gpuScene().follow(std::span(views).first(eyes), drawn_, stage.hidingCoverage());
     }
     for (const std::string& sentence : damage_.news(stage.gpuScene(), scene_))
         say(sentence);

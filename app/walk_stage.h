@@ -50,7 +50,7 @@ class WalkStage {
     const render::GpuScene& gpuScene() const { return *on_.images; }
     render::GpuScene& gpuScene() { return *on_.images; }
     const render::GpuCoverage* coverage() const { return on_.coverage.get(); }
-    render::OpenGridPointer openGrid() const { return on_.openGrid(); }
+    const scene::Coverage* hidingCoverage() const { return on_.hidingCoverage(); }
     const std::string& name() const { return name_; } ///< what the walker looks through
     /// Asks the headset for the offered rate that is nearest; 0: as it is. What is to be said if it is not that rate.
     std::string askForRate(double framesPerSecond);

@@ -72,13 +72,13 @@ class GpuScene {
     /// Grows whenever a frame may show other samples than the one before, from the same place.
     std::uint64_t changes() const { return changes_ + (stream_ ? stream_->changes() : 0); }
 
-    /// Before each frame that these eyes get (see TileStream); nothing to do where all is there. unseen: what may hide
-    /// samples from them.
-    void follow(std::span<const scene::View> eyes, const Quality& quality, const OpenGridPointer& unseen = {}) {
-        if (stream_) stream_->follow({eyes, quality, soon_}, unseen, places_);
+    /// Before each frame that these eyes get (see TileStream); nothing to do where all is there. coverage: of
+    /// which what is unseen may hide samples from them; it must outlive the scene here.
+    void follow(std::span<const scene::View> eyes, const Quality& quality, const scene::Coverage* coverage = nullptr) {
+        if (stream_) stream_->follow({eyes, quality, soon_}, coverage, places_);
     }
-    void settle(std::span<const scene::View> eyes, const Quality& quality, const OpenGridPointer& unseen = {}) {
-        if (stream_) stream_->settle({eyes, quality, shares_}, unseen, places_);
+    void settle(std::span<const scene::View> eyes, const Quality& quality, const scene::Coverage* coverage = nullptr) {
+        if (stream_) stream_->settle({eyes, quality, shares_}, coverage, places_);
     }
 
     /// Chunks found damaged since the last call: placeholders are drawn for them, of class unseen.

@@ -248,7 +248,7 @@ void Renderer::findWays(std::span<const scene::View> views, const Quality& quali
     std::vector<glm::dvec3> eyes;
     for (const scene::View& view : views)
         eyes.push_back(view.worldFromEye.translation);
-    ways_.standAt(*coverage_->openGrid(), eyes);
+    ways_.standAt(coverage_->openGrid(), eyes);
 }
 
 bool Renderer::leavesOutHidden(const Quality& quality) const {

@@ -66,7 +66,7 @@ TileStream::~TileStream() {
     if (copy_ && !copy_->running.empty()) static_cast<void>(vkDeviceWaitIdle(device_));
 }
 
-void TileStream::follow(const LookedAt& looked, const OpenGridPointer& unseen, std::span<ChunkPlace> places) {
+void TileStream::follow(const LookedAt& looked, const scene::Coverage* coverage, std::span<ChunkPlace> places) {
     ++frame_;
     if (std::exchange(showsOnlyDesired_, false)) {
         ++changes_;
@@ -79,12 +79,12 @@ void TileStream::follow(const LookedAt& looked, const OpenGridPointer& unseen, s
     }
     takeOver(places, false);
     copyArrived(places);
-    wish(looked, unseen, false);
+    wish(looked, coverage, false);
 }
 
-void TileStream::settle(const LookedAt& looked, const OpenGridPointer& unseen, std::span<ChunkPlace> places) {
+void TileStream::settle(const LookedAt& looked, const scene::Coverage* coverage, std::span<ChunkPlace> places) {
     ++frame_;
-    const std::uint64_t number = wish(looked, unseen, true);
+    const std::uint64_t number = wish(looked, coverage, true);
     for (;;) {
         takeOver(places, true);
         while (copy_ && (!toCopy_.empty() || !copy_->running.empty())) {
@@ -105,14 +105,14 @@ void TileStream::settle(const LookedAt& looked, const OpenGridPointer& unseen, s
     }
 }
 
-std::uint64_t TileStream::wish(const LookedAt& looked, const OpenGridPointer& unseen, bool isSettling) {
+std::uint64_t TileStream::wish(const LookedAt& looked, const scene::Coverage* coverage, bool isSettling) {
     std::uint64_t number = 0;
     {
         const std::lock_guard lock(mutex_);
         wish_.eyes.assign(looked.eyes.begin(), looked.eyes.end());
         wish_.quality = looked.quality;
         wish_.shares.assign(looked.shares.begin(), looked.shares.end());
-        wish_.unseen = looked.quality.leavesOutBehindUnseen() ? unseen : nullptr;
+        wish_.coverage = looked.quality.leavesOutBehindUnseen() ? coverage : nullptr;
         wish_.isSettling = isSettling;
         number = ++wish_.number;
         hasNews_ = true;
@@ -213,7 +213,7 @@ void TileStream::work() {
         }
         const Wish wish = wish_;
         if (wish.number == 0) continue;
-        if (!wish.isSettling && fulfilled_ && wish.unseen == fulfilled_->unseen &&
+        if (!wish.isSettling && fulfilled_ && wish.coverage == fulfilled_->coverage &&
             wantAboutTheSame(wish.looked(), fulfilled_->looked()))
             continue;
         fulfilled_.reset(); // what it has there may have to leave
@@ -259,14 +259,16 @@ void TileStream::serve(const Wish& wish) {
 }
 
 void TileStream::findWays(const Wish& wish) {
+    const bool isOther = wish.coverage != (grid_ ? &grid_->coverage() : nullptr);
     // What is found holds for some steps about: which, must not hang on where the eyes were before.
-    if (wish.isSettling || wish.unseen != waysIn_) ways_.forget();
-    waysIn_ = wish.unseen;
-    if (!waysIn_) return;
+    if (wish.isSettling || isOther) ways_.forget();
+    if (isOther) grid_.reset();
+    if (wish.coverage == nullptr) return;
+    if (!grid_) grid_.emplace(*wish.coverage);
     std::vector<glm::dvec3> eyes;
     for (const scene::View& eye : wish.eyes)
         eyes.push_back(eye.worldFromEye.translation);
-    ways_.standAt(*waysIn_, eyes);
+    ways_.standAt(*grid_, eyes);
 }
 
 TileStream::Choice TileStream::choose(const Wish& wish) {

@@ -27,9 +27,6 @@ struct StreamCounts {
     std::size_t bytesThere = 0;                          ///< of those that come and go
 };
 
-/// Null where nothing is known of the unseen, or nobody is shown it.
-using OpenGridPointer = std::shared_ptr<const scene::OpenGrid>;
-
 class TileStream {
   public:
     /// All must outlive it. kept: chunks that are in their places and stay there. free: what is left of each page of
@@ -42,12 +39,12 @@ class TileStream {
 
     /// Once before each frame, by the thread that draws: takes over what has arrived, gives back what nobody may be
     /// reading any more, and says what the eyes now look at. Never waits for the disk.
-    /// unseen: what may hide chunks; null: nothing does.
-    void follow(const LookedAt& looked, const OpenGridPointer& unseen, std::span<ChunkPlace> places);
+    /// coverage: of which what is unseen may hide chunks, and which must outlive it; null: nothing does.
+    void follow(const LookedAt& looked, const scene::Coverage* coverage, std::span<ChunkPlace> places);
 
     /// Waits until all is there that these eyes want and that fits, and shows just that, so that what is drawn depends
     /// on the eyes alone. No frame may be running on the device.
-    void settle(const LookedAt& looked, const OpenGridPointer& unseen, std::span<ChunkPlace> places);
+    void settle(const LookedAt& looked, const scene::Coverage* coverage, std::span<ChunkPlace> places);
 
     /// Chunks that were found damaged since the last call, and are drawn as placeholders.
     std::vector<std::uint32_t> takeDamaged();
@@ -70,7 +67,7 @@ class TileStream {
         std::vector<scene::View> eyes;
         Quality quality;
         std::vector<float> shares;
-        OpenGridPointer unseen;
+        const scene::Coverage* coverage = nullptr;
         std::uint64_t number = 0;
         bool isSettling = false;
 
@@ -79,7 +76,7 @@ class TileStream {
     struct Copy; ///< what goes through a staging buffer
 
     // The thread that draws.
-    std::uint64_t wish(const LookedAt& looked, const OpenGridPointer& unseen, bool isSettling);
+    std::uint64_t wish(const LookedAt& looked, const scene::Coverage* coverage, bool isSettling);
     void takeOver(std::span<ChunkPlace> places, bool isIdle);
     void copyArrived(std::span<ChunkPlace> places);
 
@@ -114,8 +111,8 @@ class TileStream {
 
     // Of the thread that streams.
     std::vector<RangeAllocator> free_;
+    std::optional<scene::OpenGrid> grid_; ///< of the coverage of the last wish, if it was of any
     scene::OpenWays ways_;
-    OpenGridPointer waysIn_;        ///< the grid that they were found in
     std::uint64_t startedOver_ = 0; ///< number of the last wish for which all was thrown away
 
     // Under the mutex.

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include <glm/common.hpp>
 #include <tbb/parallel_for.h>
@@ -104,14 +103,7 @@ bool OpenCells::isOpen(const GridCell& cell) const {
 }
 
 OpenGrid::OpenGrid(const Coverage& coverage, double fineEnoughMetres)
-    : OpenGrid(std::shared_ptr<const Coverage>(std::shared_ptr<void>{}, &coverage), fineEnoughMetres) {}
-
-OpenGrid::OpenGrid(Coverage&& coverage, double fineEnoughMetres)
-    : OpenGrid(std::make_shared<const Coverage>(std::move(coverage)), fineEnoughMetres) {}
-
-OpenGrid::OpenGrid(std::shared_ptr<const Coverage> coverage, double fineEnoughMetres)
-    : coverage_(std::move(coverage)), whole_(*coverage_, kWidestLevel, {0, 0, 0}),
-      finestCellMetres_(whole_.cellMetres()) {
+    : coverage_(&coverage), whole_(coverage, kWidestLevel, {0, 0, 0}), finestCellMetres_(whole_.cellMetres()) {
     for (; layers_ < kMostLayers && finestCellMetres_ > fineEnoughMetres; ++layers_)
         finestCellMetres_ /= kCoverageBranching;
 }

@@ -16,7 +16,6 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <vector>
 
 namespace scene {
@@ -66,9 +65,9 @@ class OpenCells {
 /// The layer of the whole cube, and what finer ones are made of.
 class OpenGrid {
   public:
-    /// The coverage must outlive it.
+    /// The coverage must outlive it, where it is.
     explicit OpenGrid(const Coverage& coverage, double fineEnoughMetres = kFineEnoughMetres);
-    explicit OpenGrid(Coverage&& coverage, double fineEnoughMetres = kFineEnoughMetres);
+    explicit OpenGrid(Coverage&&, double = 0) = delete;
 
     const Coverage& coverage() const { return *coverage_; }
     const OpenCells& whole() const { return whole_; }
@@ -84,9 +83,7 @@ class OpenGrid {
     OpenCells layer(int number, const GridCell& first) const { return {*coverage_, kWidestLevel + number, first}; }
 
   private:
-    OpenGrid(std::shared_ptr<const Coverage> coverage, double fineEnoughMetres);
-
-    std::shared_ptr<const Coverage> coverage_; ///< or only lent
+    const Coverage* coverage_;
     OpenCells whole_;
     int layers_ = 1;
     double finestCellMetres_;

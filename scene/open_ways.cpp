@@ -149,21 +149,22 @@ void OpenWays::forget() {
 bool OpenWays::centre(const OpenGrid& grid) {
     const std::size_t before = layers_.size();
     bool isAnother = layers_.empty();
-    const auto put = [&](std::size_t number, const std::shared_ptr<const OpenCells>& cells) {
-        if (number == layers_.size()) layers_.push_back(std::make_unique<Layer>());
-        layers_[number]->cells = cells;
-        isAnother = true;
-    };
-    if (layers_.empty()) put(0, std::shared_ptr<const OpenCells>(std::shared_ptr<void>{}, &grid.whole()));
+    if (layers_.empty()) layers_.push_back(std::make_unique<Layer>());
+    layers_.front()->cells = &grid.whole();
     for (int i = 1; i < grid.layers(); ++i) {
         const auto number = static_cast<std::size_t>(i);
         const bool isThere = number < layers_.size();
-        if (!isThere || !holds(*layers_[number]->cells, eyesInWorld_, kOpenCellsAcross / 4)) {
+        if (!isThere) layers_.push_back(std::make_unique<Layer>());
+        Layer& layer = *layers_[number];
+        if (!isThere || !holds(*layer.cells, eyesInWorld_, kOpenCellsAcross / 4)) {
             const GridCell first = grid.firstAbout(eyesInWorld_.front(), i);
-            if (!isThere || layers_[number]->cells->first() != first)
-                put(number, std::make_shared<const OpenCells>(grid.layer(i, first)));
+            if (!isThere || layer.cells->first() != first) {
+                layer.own.emplace(grid.layer(i, first));
+                layer.cells = &*layer.own;
+                isAnother = true;
+            }
         }
-        if (holds(*layers_[number]->cells, eyesInWorld_, 0)) continue;
+        if (holds(*layer.cells, eyesInWorld_, 0)) continue;
         layers_.resize(number); // eyes stand too far apart
         break;
     }

@@ -20,6 +20,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -64,7 +65,8 @@ class OpenWays {
         void add(int y, int z, const CellRow& cells);
     };
     struct Layer {
-        std::shared_ptr<const OpenCells> cells;
+        std::optional<OpenCells> own; ///< of finer layers; the widest is the grid's
+        const OpenCells* cells = nullptr;
         Reached along, against; ///< in the end all is in the first
         Part finer;             ///< where the next layer knows better, unless this is the finest one
     };

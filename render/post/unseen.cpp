@@ -29,14 +29,14 @@ constexpr float kSkyDepth = 1e6f;
 } // namespace
 
 GpuCoverage::GpuCoverage(const Device& device, const scene::Coverage& coverage)
-    : GpuCoverage(device, std::make_shared<const scene::OpenGrid>(coverage)) {}
+    : GpuCoverage(device, nullptr, &coverage) {}
 
 GpuCoverage::GpuCoverage(const Device& device, scene::Coverage&& coverage)
-    : GpuCoverage(device, std::make_shared<const scene::OpenGrid>(std::move(coverage))) {}
+    : GpuCoverage(device, std::make_unique<const scene::Coverage>(std::move(coverage)), nullptr) {}
 
-GpuCoverage::GpuCoverage(const Device& device, std::shared_ptr<const scene::OpenGrid> openGrid)
-    : openGrid_(std::move(openGrid)), layout_(makeSetLayout(device, kUnseenBindings)) {
-    const scene::Coverage& coverage = openGrid_->coverage();
+GpuCoverage::GpuCoverage(const Device& device, std::unique_ptr<const scene::Coverage> own, const scene::Coverage* lent)
+    : own_(std::move(own)), openGrid_(own_ ? *own_ : *lent), layout_(makeSetLayout(device, kUnseenBindings)) {
+    const scene::Coverage& coverage = openGrid_.coverage();
     cornerInWorld_ = coverage.cornerInWorld, edgeMetres_ = coverage.edgeMetres;
     levels_ = scene::levelsOf(coverage), finestCellMetres_ = scene::finestCellOf(coverage);
     const CoverageTexels made = coverageTexels(coverage);

@@ -30,17 +30,17 @@ class GpuCoverage {
     const UnseenGrid& grid() const { return grid_; } ///< of voxels
     bool hasDivided() const { return hasDivided_; }  ///< voxels
     std::size_t bytes() const { return texels_.size(); }
-    /// On the processor: what it may hide. May outlive what is on the device, but not the coverage.
-    const std::shared_ptr<const scene::OpenGrid>& openGrid() const { return openGrid_; }
+    const scene::OpenGrid& openGrid() const { return openGrid_; } ///< on the processor: what it may hide
 
   private:
-    GpuCoverage(const Device& device, std::shared_ptr<const scene::OpenGrid> openGrid);
+    GpuCoverage(const Device& device, std::unique_ptr<const scene::Coverage> own, const scene::Coverage* lent);
 
+    std::unique_ptr<const scene::Coverage> own_; ///< null if it is lent
     glm::dvec3 cornerInWorld_{0};
     double edgeMetres_ = 0;
     int levels_ = 0;
     double finestCellMetres_ = 0;
-    std::shared_ptr<const scene::OpenGrid> openGrid_;
+    scene::OpenGrid openGrid_;
     UnseenGrid grid_{};
     bool hasDivided_ = false;
     Buffer texels_;

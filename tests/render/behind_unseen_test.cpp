@@ -173,7 +173,7 @@ TEST_F(BehindUnseen, TheStreamBringsItLast) {
     index.findFiner();
     const CoarserChunks coarser = coarserChunksOf(index);
     scene::OpenWays ways;
-    ASSERT_TRUE(ways.standAt(*coverage_.openGrid(), std::array{eye.worldFromEye.translation}));
+    ASSERT_TRUE(ways.standAt(coverage_.openGrid(), std::array{eye.worldFromEye.translation}));
     const Quality quality;
     const std::vector<std::uint32_t> all = chunksWanted(index, coarser, {{&eye, 1}, quality, {}}),
                                      ordered = chunksWanted(index, coarser, {{&eye, 1}, quality, {}, &ways});
@@ -209,7 +209,7 @@ TEST_F(BehindUnseen, TheStreamHasRoomForOnesOwnRoom) {
         for (std::size_t share = 16; share < 32; ++share) {
             part = std::make_unique<GpuScene>(testDevice(), blocks,
                                               SceneMemory{.budgetBytes = share * bytes / 32, .isStaged = isStaged});
-            part->settle({&eye, 1}, {}, coverage_.openGrid());
+            part->settle({&eye, 1}, {}, &rooms_.coverage);
             if (missingOf(*part) == 0) break;
         }
         ASSERT_EQ(missingOf(*part), 0u) << "whichever way one turns, all of this room is there";
@@ -217,14 +217,14 @@ TEST_F(BehindUnseen, TheStreamHasRoomForOnesOwnRoom) {
         part->settle({&eye, 1}, {});
         EXPECT_GT(missingOf(*part), 0u) << "where nothing is known of the unseen, it hides nothing";
         // What was looked at before makes no difference, not even from a step aside.
-        part->settle({&elsewhere, 1}, {}, coverage_.openGrid());
+        part->settle({&elsewhere, 1}, {}, &rooms_.coverage);
         EXPECT_GT(missingOf(*part), 0u);
-        part->settle({&eye, 1}, {}, coverage_.openGrid());
+        part->settle({&eye, 1}, {}, &rooms_.coverage);
         EXPECT_EQ(missingOf(*part), 0u);
         EXPECT_TRUE(isSame(drawOnce(*part, eye, {}), first));
         Quality hidden;
         hidden.showUnseen = false;
-        part->settle({&eye, 1}, hidden, coverage_.openGrid());
+        part->settle({&eye, 1}, hidden, &rooms_.coverage);
         EXPECT_GT(missingOf(*part), 0u) << "where the unseen is not shown it hides nothing";
     }
 }

@@ -118,10 +118,11 @@ TEST(OpenWays, HoldsWhileTheEyeMovesALittleInFinerLayers) {
 
 TEST(OpenWays, RoomsBehindWallsAreNotMet) {
     // A door in the middle of the wall; the room behind goes on round a corner, which no ray takes.
-    const OpenGrid grid(floorPlan({"..#.", //
-                                   "....", //
-                                   "..##", //
-                                   "###."}));
+    const Coverage gridPlan = floorPlan({"..#.", //
+                                         "....", //
+                                         "..##", //
+                                         "###."});
+    const OpenGrid grid(gridPlan);
     OpenWays ways;
     EXPECT_TRUE(ways.standAt(grid, std::array{inPlan(0.5, 1.5)}));
     EXPECT_TRUE(mayMeetAt(ways, inPlan(0.5, 0.5)));
@@ -264,10 +265,11 @@ TEST(OpenWays, WaysGoOnBeyondTheFinerLayers) {
 }
 
 TEST(OpenWays, TwoEyesMeetWhatEitherDoes) {
-    const OpenGrid grid(floorPlan({".##.", //
-                                   ".##.", //
-                                   "####", //
-                                   "###."}));
+    const Coverage gridPlan = floorPlan({".##.", //
+                                         ".##.", //
+                                         "####", //
+                                         "###."});
+    const OpenGrid grid(gridPlan);
     OpenWays ways;
     EXPECT_TRUE(ways.standAt(grid, std::array{inPlan(0.5, 0.5), inPlan(3.5, 0.5)}));
     EXPECT_TRUE(mayMeetAt(ways, inPlan(0.5, 1.5)));
@@ -328,11 +330,13 @@ TEST(OpenWays, WhoStandsBesideTheUnseenMayMeetAnything) {
 
 TEST(OpenWays, OutsideOfTheCubeIsMetWhereAWayLeavesIt) {
     // The floor itself is the cube's rim.
-    const OpenGrid rim(floorPlan({"...#", "...#", "...#", "####"}));
+    const Coverage rimPlan = floorPlan({"...#", "...#", "...#", "####"});
+    const OpenGrid rim(rimPlan);
     OpenWays ways;
     ways.standAt(rim, std::array{inPlan(0.5, 0.5)});
     EXPECT_TRUE(mayMeetAt(ways, inPlan(-3, 0.5)));
-    const OpenGrid within(floorPlan({"####", "#..#", "#..#", "####"}, 1));
+    const Coverage withinPlan = floorPlan({"####", "#..#", "#..#", "####"}, 1);
+    const OpenGrid within(withinPlan);
     ways.forget();
     ways.standAt(within, std::array{inPlan(1.5, 1.5, 1)});
     EXPECT_FALSE(mayMeetAt(ways, inPlan(-3, 0.5)));
@@ -371,7 +375,8 @@ TEST(OpenWays, ABoxIsMetIfAnythingInItIsOrNearEnoughBesideIt) {
     EXPECT_GT(isMet, 30);
     EXPECT_GT(isNot, 30);
 
-    const OpenGrid rooms(floorPlan({"####", "#.##", "#.##", "####"}, 1));
+    const Coverage roomsPlan = floorPlan({"####", "#.##", "#.##", "####"}, 1);
+    const OpenGrid rooms(roomsPlan);
     ways.forget();
     ways.standAt(rooms, std::array{inPlan(1.5, 1.5, 1)});
     // Half a metre behind what is met, and 1 to 1.6 from the eye.
