@@ -61,7 +61,6 @@ DeviceScene bringTo(const render::Device& device, const DrawnScene& drawn) {
         }
     }
     brought.coverage = bringCoverage(device, *drawn.scene.coverage, form);
-    brought.whole = &*drawn.scene.coverage;
     return brought;
 }
 

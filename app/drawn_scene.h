@@ -33,10 +33,9 @@ struct DeviceScene {
     std::unique_ptr<render::GpuScene> images;
     std::unique_ptr<render::GpuCoverage> coverage; ///< null if the scene has none, or the device no room for it
     std::unique_ptr<render::GpuPolygons> polygons; ///< null if there are none
-    const scene::Coverage* whole = nullptr;        ///< what is on the device may be coarser; null if the scene has none
 
-    /// By which the unseen hides what need not be brought; null: nothing is hidden, since it is not shown.
-    const scene::Coverage* hidingCoverage() const { return coverage ? whole : nullptr; }
+    /// By which unseen space hides what is brought last; null where it is not shown, or not as it was found.
+    const scene::Coverage* hidingCoverage() const { return coverage ? coverage->lent() : nullptr; }
 };
 
 /// Throws scene::Failure, render::OutOfMemory or render::DeviceLost.

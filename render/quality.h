@@ -61,6 +61,7 @@ struct Quality {
     /// samples would add: through gaps of a pixel within a surface, where such are filled anyway, and to the colours of
     /// a surface that they stand a little behind, where samples are blended or interpolated. It pays where much is
     /// hidden.
+    /// Where a scene is larger than memory, what the unseen hides comes last besides.
     bool leavesOutHidden = true;
 
     /// Points and splats of two eyes: one pass reads each sample once and warps it to both (render/warp/stereo_pass.h).
@@ -74,7 +75,7 @@ struct Quality {
     /// Where no image ever looked is shown as unseen, in a scene that knows (GpuCoverage). False: as emptiness.
     bool showUnseen = true;
 
-    /// Whether nobody is to look for what stands behind the unseen.
+    /// Whether what the unseen hides is left out of frames, and comes last where a scene is larger than memory.
     bool leavesOutBehindUnseen() const { return showUnseen && leavesOutHidden; }
 
     /// What was not measured is told by a tint: filled pixels orange, those where nothing was seen violet.

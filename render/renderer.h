@@ -73,6 +73,9 @@ class Renderer {
     /// Not what outputs need: that is made with the first frame that has any.
     void warmUp(std::span<const scene::View> eyes, std::span<const Quality> ways);
 
+    /// What unseen space hides is found out anew with the next frame, so that it hangs on that frame's eyes alone.
+    void forgetWays() { ways_.forget(); }
+
     /// Waits for the last frame and tells about it, its own times on the device included.
     FrameStats finish();
 

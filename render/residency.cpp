@@ -24,6 +24,7 @@ constexpr double kReplacedWhole =
     (0.5 - 0.5 * static_cast<double>(kDetailOverlap)) / (1 + static_cast<double>(kDetailBand));
 
 constexpr double kMostPixels = 64; ///< pixels: wider, nobody can tell more
+static_assert(kMostPixels * kInView * kBehindUnseen < kLeast);
 
 /// Half the angle that an eye's picture spans, corner to corner, from the direction of its axis.
 double reachOfView(const scene::Camera& camera) {
@@ -62,7 +63,16 @@ double wantOf(const SceneIndex& index, const IndexedChunk& chunk, const scene::V
     return std::clamp(pixels, kLeast, kMostPixels) * (isInView ? kInView : 1);
 }
 
-/// beside: of the eye whose rays pass farthest beside what they show.
+/// besideRay of the eye whose rays pass farthest beside what they show, in the pictures that are warped.
+double mostBeside(const LookedAt& looked) {
+    double most = 0;
+    for (scene::View eye : looked.eyes) {
+        eye.camera.fx *= looked.quality.resolutionScale, eye.camera.fy *= looked.quality.resolutionScale;
+        most = std::max(most, besideRay(eye, looked.quality));
+    }
+    return most;
+}
+
 bool isBehindUnseen(const scene::WorldExtent& box, const scene::OpenWays& ways, double beside) {
     return box.isFinite() && !ways.mayMeet(box.least, box.most, beside);
 }
@@ -121,9 +131,7 @@ std::vector<std::uint32_t> chunksToKeep(const SceneIndex& index, std::size_t bud
 std::vector<std::uint32_t> chunksWanted(const SceneIndex& index, const CoarserChunks& coarser, const LookedAt& looked) {
     std::vector<double> wants(index.chunks.size(), 0.0);
     const bool mayHide = looked.ways != nullptr && looked.ways->isKnown();
-    double beside = 0;
-    for (const scene::View& eye : looked.eyes)
-        beside = std::max(beside, besideRay(eye, looked.quality));
+    const double beside = mostBeside(looked);
     const std::vector<std::uint8_t> hidden =
         mayHide ? imagesBehindUnseen(index, *looked.ways, beside) : std::vector<std::uint8_t>(index.capturedImages, 0);
     tbb::parallel_for(std::size_t{0}, wants.size(), [&](std::size_t i) {
@@ -159,8 +167,8 @@ bool wantAboutTheSame(const LookedAt& a, const LookedAt& b) {
     const Quality &p = a.quality, &q = b.quality;
     return detailPixelsOf(p) * q.resolutionScale == detailPixelsOf(q) * p.resolutionScale &&
            p.preference.nearBaseline == q.preference.nearBaseline && p.isBlended == q.isBlended &&
-           p.blend.baseline == q.blend.baseline && std::ranges::equal(a.shares, b.shares) &&
-           std::ranges::equal(a.eyes, b.eyes, isSameEye);
+           p.blend.baseline == q.blend.baseline && mostBeside(a) == mostBeside(b) &&
+           std::ranges::equal(a.shares, b.shares) && std::ranges::equal(a.eyes, b.eyes, isSameEye);
 }
 
 } // namespace render

@@ -261,14 +261,17 @@ void TileStream::serve(const Wish& wish) {
 void TileStream::findWays(const Wish& wish) {
     const bool isOther = wish.coverage != (grid_ ? &grid_->coverage() : nullptr);
     // What is found holds for some steps about: which, must not hang on where the eyes were before.
-    if (wish.isSettling || isOther) ways_.forget();
+    if ((wish.isSettling && wish.number != waysFor_) || isOther) ways_.forget();
+    if (wish.isSettling) waysFor_ = wish.number;
     if (isOther) grid_.reset();
     if (wish.coverage == nullptr) return;
     if (!grid_) grid_.emplace(*wish.coverage);
     std::vector<glm::dvec3> eyes;
     for (const scene::View& eye : wish.eyes)
         eyes.push_back(eye.worldFromEye.translation);
-    ways_.standAt(*grid_, eyes);
+    // Eyes beside something unseen may see anything. That does for their pictures; what is fetched first need not
+    // change with each such step.
+    if (scene::OpenWays::standClear(*grid_, eyes)) ways_.standAt(*grid_, eyes);
 }
 
 TileStream::Choice TileStream::choose(const Wish& wish) {

@@ -1,6 +1,7 @@
 #include "scene/open_ways.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <functional>
 
@@ -104,11 +105,6 @@ std::vector<GridCell> cellsAbout(const OpenCells& layer, const glm::dvec3& eyeIn
     return cells;
 }
 
-bool standsClear(const OpenGrid& grid, const glm::dvec3& eyeInWorld) {
-    const std::array<glm::dvec3, 8> corners = beside(eyeInWorld, kBesideFace * grid.finestMetres());
-    return std::all_of(corners.begin(), corners.end(), [&](const glm::dvec3& p) { return grid.isClear(p); });
-}
-
 /// Whether all eyes are far from the rim of a layer, or within it at least.
 bool holds(const OpenCells& layer, std::span<const glm::dvec3> eyesInWorld, int margin) {
     return std::all_of(eyesInWorld.begin(), eyesInWorld.end(), [&](const glm::dvec3& eye) {
@@ -135,6 +131,13 @@ void OpenWays::Reached::add(int y, int z, const CellRow& cells) {
     lowY = std::min(lowY, y), highY = std::max(highY, y), lowZ = std::min(lowZ, z), highZ = std::max(highZ, z);
 }
 
+bool OpenWays::standClear(const OpenGrid& grid, std::span<const glm::dvec3> eyesInWorld) {
+    return std::all_of(eyesInWorld.begin(), eyesInWorld.end(), [&](const glm::dvec3& eye) {
+        const std::array<glm::dvec3, 8> corners = beside(eye, kBesideFace * grid.finestMetres());
+        return std::all_of(corners.begin(), corners.end(), [&](const glm::dvec3& p) { return grid.isClear(p); });
+    });
+}
+
 void OpenWays::knowNothing() {
     isKnown_ = false;
     isPlace_.clear();
@@ -143,32 +146,34 @@ void OpenWays::knowNothing() {
 void OpenWays::forget() {
     knowNothing();
     layers_.clear();
+    used_ = 0;
 }
 
-/// Lays the finer layers about the eyes. Returns whether any is another than before.
+/// Lays the finer layers about the eyes. Returns whether they are others than before.
 bool OpenWays::centre(const OpenGrid& grid) {
-    const std::size_t before = layers_.size();
-    bool isAnother = layers_.empty();
-    if (layers_.empty()) layers_.push_back(std::make_unique<Layer>());
-    layers_.front()->cells = &grid.whole();
-    for (int i = 1; i < grid.layers(); ++i) {
-        const auto number = static_cast<std::size_t>(i);
-        const bool isThere = number < layers_.size();
+    const std::size_t before = used_;
+    bool isAnother = false;
+    if (layers_.empty()) {
+        layers_.push_back(std::make_unique<Layer>());
+        layers_.front()->cells = &grid.whole();
+    }
+    assert(layers_.front()->cells == &grid.whole());
+    for (used_ = 1; used_ < static_cast<std::size_t>(grid.layers()); ++used_) {
+        const int number = static_cast<int>(used_);
+        const bool isThere = used_ < layers_.size();
         if (!isThere) layers_.push_back(std::make_unique<Layer>());
-        Layer& layer = *layers_[number];
+        Layer& layer = *layers_[used_];
         if (!isThere || !holds(*layer.cells, eyesInWorld_, kOpenCellsAcross / 4)) {
-            const GridCell first = grid.firstAbout(eyesInWorld_.front(), i);
+            const GridCell first = grid.firstAbout(eyesInWorld_.front(), number);
             if (!isThere || layer.cells->first() != first) {
-                layer.own.emplace(grid.layer(i, first));
+                layer.own.emplace(grid.layer(number, first));
                 layer.cells = &*layer.own;
                 isAnother = true;
             }
         }
-        if (holds(*layer.cells, eyesInWorld_, 0)) continue;
-        layers_.resize(number); // eyes stand too far apart
-        break;
+        if (!holds(*layer.cells, eyesInWorld_, 0)) break; // eyes stand too far apart
     }
-    for (std::size_t i = 0; i + 1 < layers_.size(); ++i) {
+    for (std::size_t i = 0; i + 1 < used_; ++i) {
         Part& finer = layers_[i]->finer;
         for (std::size_t axis = 0; axis < 3; ++axis) {
             finer.low[axis] =
@@ -176,7 +181,7 @@ bool OpenWays::centre(const OpenGrid& grid) {
             finer.high[axis] = finer.low[axis] + kFinerAcross - 1;
         }
     }
-    return isAnother || layers_.size() != before;
+    return isAnother || used_ != before;
 }
 
 bool OpenWays::areStillWithin() const {
@@ -190,14 +195,14 @@ bool OpenWays::areStillWithin() const {
         return isPlace_[at] != 0;
     };
     return !isPlace_.empty() && std::all_of(eyesInWorld_.begin(), eyesInWorld_.end(), [&](const glm::dvec3& eye) {
-        const std::vector<GridCell> cells = cellsAbout(*layers_.back()->cells, eye);
+        const std::vector<GridCell> cells = cellsAbout(*layers_[used_ - 1]->cells, eye);
         return std::all_of(cells.begin(), cells.end(), isPlace);
     });
 }
 
 /// Where the eyes may move without leaving open space or what is near: cells that hang together with theirs.
 void OpenWays::gatherPlace() {
-    const OpenCells& layer = *layers_.back()->cells;
+    const OpenCells& layer = *layers_[used_ - 1]->cells;
     std::vector<GridCell> left;
     const double cells = std::clamp(kPlaceMetres / layer.cellMetres(), kLeastPlace, kMostPlace);
     const int reach = static_cast<int>(cells);
@@ -304,10 +309,10 @@ void OpenWays::sweep(Layer& layer, const Octant& octant, const Blocks* finer, Bl
 /// The ways of one octant: in the finest cells, and on in wider ones.
 void OpenWays::findWays(const Octant& octant) {
     Blocks finer, found;
-    for (std::size_t i = layers_.size(); i-- > 0;) {
+    for (std::size_t i = used_; i-- > 0;) {
         found.fill(0);
         Layer& layer = *layers_[i];
-        sweep(layer, octant, i + 1 < layers_.size() ? &finer : nullptr, found);
+        sweep(layer, octant, i + 1 < used_ ? &finer : nullptr, found);
         Blocks& all = (octant.isMirrored ? layer.against : layer.along).blocks;
         std::transform(all.begin(), all.end(), found.begin(), all.begin(), std::bit_or<>());
         finer = found;
@@ -317,7 +322,7 @@ void OpenWays::findWays(const Octant& octant) {
 /// Both ways along x together, but for what a finer layer knows better; and whether a way leads to the cube's rim.
 void OpenWays::summarize(std::size_t number) {
     Layer& layer = *layers_[number];
-    const bool isFinest = number + 1 == layers_.size(), isWhole = number == 0;
+    const bool isFinest = number + 1 == used_, isWhole = number == 0;
     const Part& finer = layer.finer;
     const CellRow ofFiner = isFinest ? CellRow{} : cellsFrom(finer.low[0], ~std::uint64_t{0});
     Reached &all = layer.along, &against = layer.against;
@@ -348,15 +353,14 @@ void OpenWays::summarize(std::size_t number) {
 }
 
 bool OpenWays::standAt(const OpenGrid& grid, std::span<const glm::dvec3> eyesInWorld) {
-    if (!std::all_of(eyesInWorld.begin(), eyesInWorld.end(),
-                     [&](const glm::dvec3& eye) { return standsClear(grid, eye); })) {
+    if (!standClear(grid, eyesInWorld)) {
         knowNothing();
         return false;
     }
     eyesInWorld_.assign(eyesInWorld.begin(), eyesInWorld.end());
     if (!centre(grid) && areStillWithin()) return false;
     gatherPlace();
-    for (const std::unique_ptr<Layer>& layer : layers_) {
+    for (const std::unique_ptr<Layer>& layer : std::span(layers_).first(used_)) {
         layer->along.clear();
         layer->against.clear();
     }
@@ -367,7 +371,7 @@ bool OpenWays::standAt(const OpenGrid& grid, std::span<const glm::dvec3> eyesInW
     };
     tbb::parallel_invoke([&] { findAll(false); }, [&] { findAll(true); });
     leavesCube_ = false;
-    for (std::size_t i = 0; i < layers_.size(); ++i)
+    for (std::size_t i = 0; i < used_; ++i)
         summarize(i);
     isKnown_ = true;
     return true;
@@ -380,7 +384,7 @@ double OpenWays::cellMetresAbout(const glm::dvec3& least, const glm::dvec3& most
         return glm::all(glm::greaterThanEqual(low, glm::dvec3(0))) &&
                glm::all(glm::lessThanEqual(high, glm::dvec3(kOpenCellsAcross)));
     };
-    std::size_t i = layers_.size() - 1;
+    std::size_t i = used_ - 1;
     while (i > 0 && !isIn(*layers_[i]->cells))
         --i;
     return layers_[i]->cells->cellMetres();
@@ -404,7 +408,7 @@ bool OpenWays::mayMeet(const glm::dvec3& least, const glm::dvec3& most, double b
 }
 
 bool OpenWays::meets(const glm::dvec3& least, const glm::dvec3& most) const {
-    return std::any_of(layers_.begin(), layers_.end(),
+    return std::any_of(layers_.begin(), layers_.begin() + static_cast<std::ptrdiff_t>(used_),
                        [&](const std::unique_ptr<Layer>& layer) { return meets(*layer, least, most); });
 }
 

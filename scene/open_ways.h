@@ -26,7 +26,8 @@
 
 namespace scene {
 
-/// What may be seen from about some eyes; they may move a little before it must be found anew.
+/// What may be seen from about some eyes; they may move a little before it must be found anew. Of each layer of the
+/// grid it takes four megabytes, and as many for cells of finer layers.
 class OpenWays {
   public:
     /// Finds it anew if an eye has left the place that it was found for. Of eyes in or right beside cells in which
@@ -34,6 +35,9 @@ class OpenWays {
     /// look out of unseen space. Returns whether it was found anew. The grid must be the one of the call before, or
     /// all of that forgotten.
     bool standAt(const OpenGrid& grid, std::span<const glm::dvec3> eyesInWorld);
+
+    /// Whether of these eyes anything can be known.
+    static bool standClear(const OpenGrid& grid, std::span<const glm::dvec3> eyesInWorld);
 
     /// They may see anything, from now on.
     void forget();
@@ -85,6 +89,7 @@ class OpenWays {
 
     bool isKnown_ = false, leavesCube_ = false;
     std::vector<std::unique_ptr<Layer>> layers_; ///< the widest first; none if all is forgotten
+    std::size_t used_ = 0;                       ///< of them; the finest may not hold all eyes
     std::vector<glm::dvec3> eyesInWorld_;
     Part place_;                        ///< in the finest layer, where eyes may stand
     std::vector<std::uint8_t> isPlace_; ///< and of its cells whether they may: x first, then y, then z

@@ -41,7 +41,8 @@ revisit_test(revisit_unseen_tests LABELS gpu TIMEOUT 1200
         render/behind_unseen_test.cpp
         render/test_device.cpp
         render/unseen_test.cpp
-        render/unseen_truth_test.cpp)
+        render/unseen_truth_test.cpp
+        render/unseen_walk_test.cpp)
 
 revisit_shader(bare_scatter.comp kBareScatterCode ${CMAKE_CURRENT_SOURCE_DIR}/bench/shaders)
 revisit_bench(revisit_render_bench LINKS revisit_render_scenes scene_project scene_refine TBB::tbb

@@ -69,6 +69,9 @@ struct Box {
     Place first{}, count{};
 
     std::size_t voxels() const { return count[0] * count[1] * count[2]; }
+    bool isSmallEnough() const {
+        return voxels() <= kMostVoxels && count[0] + count[1] + count[2] <= kMostVoxelsOnARay;
+    }
     std::size_t indexOf(const Place& at) const {
         return ((at[2] - first[2]) * count[1] + at[1] - first[1]) * count[0] + at[0] - first[0];
     }
@@ -78,11 +81,11 @@ std::size_t acrossAt(int level) {
     return std::size_t{1} << (2 * level);
 }
 
-/// From the least to the greatest of the smallest voxels in which anything was observed.
-struct Observed {
+/// From the least to the greatest cell of the finest level that voxels may have in which anything was observed.
+struct ObservedBounds {
     Place least{acrossAt(kMostVoxelLevel), acrossAt(kMostVoxelLevel), acrossAt(kMostVoxelLevel)}, end{};
 
-    explicit Observed(const Tree& tree) { add(tree.nodes, 0, {{0, 0, 0}, acrossAt(kMostVoxelLevel)}); }
+    explicit ObservedBounds(const Tree& tree) { add(tree.nodes, 0, {{0, 0, 0}, acrossAt(kMostVoxelLevel)}); }
     bool isNothing() const { return end[0] == 0; }
 
   private:
@@ -108,7 +111,7 @@ struct Observed {
 };
 
 /// The box at a level of the tree, with a voxel more on each side where there is one, and rows of whole vectors.
-Box boxAt(const Observed& observed, int level) {
+Box boxAt(const ObservedBounds& observed, int level) {
     Box box{acrossAt(level), {}, {}};
     const std::size_t unit = acrossAt(kMostVoxelLevel - level);
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -123,11 +126,11 @@ Box boxAt(const Observed& observed, int level) {
 
 /// As fine as the most voxels allow, and no finer than the tree.
 Box boxOf(const Tree& tree, int levels) {
-    const Observed observed(tree);
+    const ObservedBounds observed(tree);
     if (observed.isNothing()) return {acrossAt(kLeastVoxelLevel), {0, 0, 0}, {kLines, 1, 1}};
     Box box = boxAt(observed, kLeastVoxelLevel);
     for (int level = kLeastVoxelLevel + 1; level <= std::min(levels, kMostVoxelLevel); ++level)
-        if (const Box finer = boxAt(observed, level); finer.voxels() <= kMostVoxels) box = finer;
+        if (const Box finer = boxAt(observed, level); finer.isSmallEnough()) box = finer;
     return box;
 }
 

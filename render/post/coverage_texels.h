@@ -15,6 +15,8 @@ namespace render {
 inline constexpr int kLeastVoxelLevel = 4;           ///< of the tree, whose cells voxels are at least as small as
 inline constexpr int kMostVoxelLevel = 6;            ///< single precision tells them apart
 inline constexpr std::size_t kMostVoxels = 1u << 24; ///< as many as there are of the least level in the whole cube
+/// A ray takes unseen ones one by one, and no more steps than kMostUnseenSteps.
+inline constexpr std::size_t kMostVoxelsOnARay = 1536;
 
 using CoverageTexel = std::array<std::uint32_t, 4>;
 

@@ -30,6 +30,8 @@ class GpuCoverage {
     const UnseenGrid& grid() const { return grid_; } ///< of voxels
     bool hasDivided() const { return hasDivided_; }  ///< voxels
     std::size_t bytes() const { return texels_.size(); }
+    /// Null if it is its own.
+    const scene::Coverage* lent() const { return own_ ? nullptr : &openGrid_.coverage(); }
     const scene::OpenGrid& openGrid() const { return openGrid_; } ///< on the processor: what it may hide
 
   private:

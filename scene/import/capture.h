@@ -62,7 +62,7 @@ struct Capture {
     std::vector<std::filesystem::path> polygons; ///< scenes to be ray-traced
     std::vector<std::string> remarks;            ///< what was seen but cannot be used, in whole sentences for the user
 
-    /// Photographs with range of their own: what scans and polygons show has range and colours from one place.
+    /// Neither scans nor polygons: those have their range and their colours from one place.
     bool isOfPhotographsAlone() const { return scans.empty() && polygons.empty(); }
 };
 

@@ -50,6 +50,9 @@ struct PartedSite {
     PartedSite(const Device& device, const scene::Scene& part, int across, int deep)
         : blocks(blocksOf(part, across, deep)), scene(device, blocks, {.budgetBytes = std::size_t{128} << 20}),
           coverage(device, coverageOf(part, across, deep)), renderer(device, scene, 640, 480, 2, &coverage) {}
+    void settle(std::span<const scene::View> views, const Quality& quality) {
+        scene.settle(views, quality, &coverage.openGrid().coverage());
+    }
     std::vector<scene::TileBlock> blocks;
     GpuScene scene;
     GpuCoverage coverage;
@@ -103,6 +106,7 @@ struct Site {
     Site(const Device& device, const scene::Scene& part, int across, int deep)
         : blocks(manyTimes(part, across, deep)), scene(device, blocks, {.budgetBytes = std::size_t{128} << 20}),
           renderer(device, scene, 640, 480, 2) {}
+    void settle(std::span<const scene::View> views, const Quality& quality) { scene.settle(views, quality); }
     std::vector<scene::TileBlock> blocks;
     GpuScene scene;
     Renderer renderer;
@@ -128,7 +132,7 @@ void measureArea(benchmark::State& state, Warp warp) {
     std::array<std::unique_ptr<Site>, 3> sites;
     for (std::size_t i = 0; i < sites.size(); ++i) {
         sites[i] = std::make_unique<Site>(device, part, Site::kSizes[i][0], Site::kSizes[i][1]);
-        sites[i]->scene.settle(views, quality);
+        sites[i]->settle(views, quality);
     }
     std::array<FrameStats, 3> stats;
     for (auto _ : state)

@@ -1,39 +1,18 @@
-// The walk through coverage: shared code on the processor against the tree itself, the device against the shared code.
+// Rays through the unseen: the device against the shared code on the processor.
 
 #include "render/post/coverage_texels.h"
 #include "render/post/unseen.h"
 #include "scene/coverage.h"
 #include "scene/coverage_levels.h"
-#include "scene/coverage_ray.h"
 #include "tests/render/test_device.h"
 #include "tests/render/test_scenes.h"
-#include "tests/scene/random_coverage.h"
+#include "tests/render/tree_texels.h"
 
 #include <array>
 #include <cmath>
-#include <random>
 
 namespace render {
 namespace {
-
-/// The tree's texels as the shared code asks for them.
-struct Texels {
-    CoverageTexels made;
-    explicit Texels(const scene::Coverage& coverage) : made(coverageTexels(coverage)) {}
-    const UnseenGrid& grid() const { return made.grid; }
-    uvec4 operator()(uint index) const {
-        const CoverageTexel& texel = made.texels.at(index);
-        return {texel[0], texel[1], texel[2], texel[3]};
-    }
-};
-
-constexpr unsigned kVoxelsAcross = 256; ///< of grids that take up the whole cube
-
-/// Some of a site of 16 x 16 x 16 cubes, in one floor; nobody saw the rest. levels: of all.
-scene::Coverage flatSite(std::uint32_t seed, int levels, double unseenShare, double dividedShare = 0.3) {
-    const scene::Coverage part = scene::randomCoverage(seed, levels - 2, unseenShare, dividedShare);
-    return coverageManyTimes(part, {{5, 7, 3}, {6, 7, 3}, {8, 9, 3}}, {-40, 12, 7}, 2);
-}
 
 /// Half of the room of takeRoom, as if nobody had looked behind x = 0.6, nor into a corner above.
 scene::Coverage roomCoverage(const glm::dvec3& offset = glm::dvec3(0)) {
@@ -77,277 +56,6 @@ scene::Coverage roomCoverage(const glm::dvec3& offset = glm::dvec3(0)) {
     return coverage;
 }
 
-/// Of places between two of the cube's.
-void expectToFindTheCells(const scene::Coverage& coverage, const glm::dvec3& least, const glm::dvec3& most) {
-    const int levels = scene::levelsOf(coverage);
-    const Texels texels(coverage);
-    std::mt19937 random(2);
-    const auto uniform = [&] { return static_cast<double>(random()) / 4294967296.0; };
-    const auto place = [&] {
-        const double x = uniform(), y = uniform(), z = uniform();
-        return least + (most - least) * glm::dvec3(x, y, z);
-    };
-    const auto isDivided = [&](const glm::dvec3& p) { return unseenVoxelAt(texels, vec3(p)).rings == kDividedVoxel; };
-    int unseen = 0, divided = 0;
-    for (int i = 0; i < 20000; ++i) {
-        glm::dvec3 p = place();
-        // Half of them where the tree goes on below the voxels, which is a small part of space.
-        for (int k = 0; i % 2 == 0 && k < 100000 && !isDivided(p); ++k)
-            p = place();
-        divided += isDivided(p) ? 1 : 0;
-        const bool isUnseen =
-            scene::observedAt(coverage, coverage.cornerInWorld + coverage.edgeMetres * p) == scene::Observed::unseen;
-        unseen += isUnseen ? 1 : 0;
-        // At a face between two cells single precision may choose the other one.
-        const double cells = std::pow(4.0, levels);
-        const glm::dvec3 inFinest = p * cells - glm::floor(p * cells);
-        if (std::min({inFinest.x, inFinest.y, inFinest.z}) < 1e-3 ||
-            std::max({inFinest.x, inFinest.y, inFinest.z}) > 1 - 1e-3)
-            continue;
-        ASSERT_EQ(unseenCellAt(texels, vec3(p)).isUnseen, isUnseen) << p.x << " " << p.y << " " << p.z;
-    }
-    EXPECT_GT(unseen, 4000);
-    EXPECT_GT(divided, 9000);
-}
-
-TEST(UnseenWalk, FindsTheCellsOfTheTree) {
-    // Two levels below the voxels.
-    expectToFindTheCells(scene::randomCoverage(1, 6, 0.3, 0.15), glm::dvec3(0), glm::dvec3(1));
-}
-
-TEST(UnseenWalk, FindsTheCellsOfAFlatSite) {
-    const scene::Coverage site = flatSite(1, 6, 0.3, 0.15);
-    expectToFindTheCells(site, glm::dvec3(5, 7, 3) / 16.0, glm::dvec3(9, 10, 4) / 16.0);
-    const UnseenGrid grid = Texels(site).grid();
-    EXPECT_EQ(grid.size, 1024) << "a level finer than if it took up the cube";
-    EXPECT_LE(grid.count.x * grid.count.y * grid.count.z, static_cast<float>(kMostVoxels));
-    EXPECT_LT(grid.count.z, 67);
-    for (int axis = 0; axis < 3; ++axis) {
-        // A voxel more on each side, in which nothing was observed.
-        EXPECT_LE(grid.first[axis], 64.0f * vec3(5, 7, 3)[axis] - 1);
-        EXPECT_GE(grid.first[axis] + grid.count[axis], 64.0f * vec3(9, 10, 4)[axis] + 1);
-    }
-    // As fine as the tree, and no finer.
-    EXPECT_EQ(Texels(flatSite(1, 5, 0.3)).grid().size, 1024);
-    EXPECT_FALSE(coverageTexels(flatSite(1, 5, 0.3)).hasDivided());
-    EXPECT_EQ(Texels(flatSite(1, 4, 0.3)).grid().size, 256);
-}
-
-TEST(UnseenWalk, WhereNothingWasObservedAllIsUnseen) {
-    scene::Coverage coverage{glm::dvec3(1, 2, 3), 4, std::vector<scene::CoverageNode>(1)};
-    coverage.nodes[0].unseen = ~std::uint64_t{0};
-    const Texels texels(coverage);
-    for (const float x : {0.01f, 0.4f, 0.99f}) {
-        const UnseenHit hit = walkToUnseen(texels, vec3(x, 0.3f, 0.6f), vec3(0.25f, 0.01f, 0.02f), 0.5f, 3, vec2(0.0f));
-        EXPECT_TRUE(hit.isUnseen);
-        EXPECT_EQ(hit.depth, 3);
-    }
-}
-
-/// The first unseen point on a ray in steps far smaller than the cells; asked of the tree itself.
-double firstUnseenBySteps(const scene::Coverage& coverage, const glm::dvec3& eye, const glm::dvec3& direction,
-                          double end) {
-    for (double t = 0; t < end; t += 2e-4) {
-        const glm::dvec3 p = coverage.cornerInWorld + coverage.edgeMetres * (eye + t * direction);
-        const auto cell = cellAt(coverage, p);
-        if (!cell) return end;
-        if (cell->observed == scene::Observed::unseen) return t;
-    }
-    return end;
-}
-
-TEST(UnseenWalk, StopsWhereTheRayEntersTheUnseen) {
-    const scene::Coverage coverage = scene::randomCoverage(3, 3, 0.08);
-    const Texels texels(coverage);
-    std::mt19937 random(4);
-    const auto uniform = [&] { return static_cast<double>(random()) / 4294967296.0; };
-    int met = 0, differ = 0;
-    for (int i = 0; i < 1000; ++i) {
-        const glm::dvec3 eye(uniform(), uniform(), uniform());
-        const glm::dvec3 direction(uniform() - 0.5, uniform() - 0.5, uniform() - 0.5);
-        const double end = uniform();
-        const double expected = firstUnseenBySteps(coverage, eye, direction, end);
-        const UnseenHit hit =
-            walkToUnseen(texels, vec3(eye), vec3(direction), 0.0f, static_cast<float>(end), vec2(0.0f));
-        met += hit.isUnseen ? 1 : 0;
-        // Steps may pass over the corner of a cell that the walk finds.
-        if (hit.isUnseen != (expected < end) || (hit.isUnseen && std::abs(double{hit.depth} - expected) > 5e-4))
-            ++differ;
-    }
-    EXPECT_GT(met, 300);
-    EXPECT_LT(met, 950);
-    EXPECT_LE(differ, 10);
-}
-
-// The walker's hand meets what the eye is shown.
-void expectToBeThatOfRays(const scene::Coverage& coverage, const glm::dvec3& middle, double around) {
-    const Texels texels(coverage);
-    std::mt19937 random(7);
-    const auto uniform = [&] { return static_cast<double>(random()) / 4294967296.0; };
-    int met = 0, differ = 0;
-    for (int i = 0; i < 4000; ++i) {
-        const double x = uniform(), y = uniform(), z = uniform();
-        const glm::dvec3 eye = middle + around * (2.0 * glm::dvec3(x, y, z) - 1.0); // half of them outside
-        const glm::dvec3 unit = glm::normalize(glm::dvec3(uniform() - 0.5, uniform() - 0.5, uniform() - 0.5));
-        const double end = 8 * uniform(), pocket = i % 2 == 0 ? 0 : uniform();
-        const auto found =
-            scene::firstUnseen(coverage, coverage.cornerInWorld + coverage.edgeMetres * eye, unit, end, pocket);
-        const UnseenHit hit = walkToUnseen(texels, vec3(eye), vec3(unit / coverage.edgeMetres),
-                                           static_cast<float>(pocket), static_cast<float>(end), vec2(0.0f));
-        met += hit.isUnseen ? 1 : 0;
-        // In single precision a ray may pass a corner on the other side.
-        if (hit.isUnseen != found.has_value() || (found && std::abs(double{hit.depth} - *found) > 1e-3)) ++differ;
-    }
-    EXPECT_GT(met, 1000);
-    EXPECT_LT(met, 3900);
-    EXPECT_LE(differ, 8);
-}
-
-TEST(UnseenWalk, IsThatOfRaysInDoublePrecision) {
-    expectToBeThatOfRays(scene::randomCoverage(3, 3, 0.08), glm::dvec3(0.5), 1);
-}
-
-TEST(UnseenWalk, IsThatOfRaysAtAFlatSite) {
-    const glm::dvec3 middle = glm::dvec3(6, 7.5, 3.5) / 16.0;
-    expectToBeThatOfRays(flatSite(3, 5, 0.08), middle, 1.2 / 16);
-    expectToBeThatOfRays(flatSite(3, 6, 0.08), middle, 1.2 / 16);
-}
-
-TEST(UnseenWalk, AnEyeInThePocketLooksThroughIt) {
-    scene::Coverage coverage;
-    coverage.edgeMetres = 4;
-    coverage.nodes.resize(1);
-    for (int bit = 0; bit < 64; ++bit)
-        if (bit % 4 == 0 || bit % 4 == 3) coverage.nodes[0].unseen |= scene::coverageMask(bit); // x < 1 and x > 3
-    const Texels texels(coverage);
-    const auto walk = [&](double x, float pocket, float end) {
-        return walkToUnseen(texels, vec3(static_cast<float>(x) / 4, 0.6f, 0.6f), vec3(0.25f, 0.001f, 0.002f), pocket,
-                            end, vec2(0.0f));
-    };
-    EXPECT_TRUE(walk(0.5, 0, kRayInfinity).isUnseen);
-    EXPECT_FLOAT_EQ(walk(0.5, 0, kRayInfinity).depth, 0);
-    EXPECT_NEAR(walk(0.5, 1, kRayInfinity).depth, 2.5f, 1e-3f) << "looked through to the other side";
-    EXPECT_FALSE(walk(0.5, 1, 2).isUnseen);
-    EXPECT_NEAR(walk(0.5, 0.3f, kRayInfinity).depth, 0.5f, 1e-3f) << "too deep: shown where it ends";
-    EXPECT_TRUE(walk(0.5, 0.3f, 0.4f).isUnseen);
-    EXPECT_FALSE(walk(0.5, 0.3f, 0.2f).isUnseen);
-    EXPECT_NEAR(walk(1.5, 0, kRayInfinity).depth, 1.5f, 1e-3f);
-    EXPECT_NEAR(walk(1.5, 1, kRayInfinity).depth, 1.5f, 1e-3f) << "an eye in seen space has no pocket";
-    EXPECT_NEAR(walk(-0.5, 2, kRayInfinity).depth, 3.5f, 1e-3f) << "from without";
-    EXPECT_TRUE(walk(-3, 2, kRayInfinity).isUnseen);
-    EXPECT_TRUE(walk(5, 2, kRayInfinity).isUnseen) << "away from all that is known";
-    EXPECT_FALSE(walk(5, 2, 1).isUnseen);
-}
-
-TEST(UnseenWalk, WhatIsDrawnWithinAnOpenStretchHidesWhatIsBehindIt) {
-    scene::Coverage coverage;
-    coverage.edgeMetres = 4;
-    coverage.nodes.resize(1);
-    for (int bit = 0; bit < 64; ++bit)
-        if (bit % 4 == 0 || bit % 4 == 3) coverage.nodes[0].unseen |= scene::coverageMask(bit); // x < 1 and x > 3
-    const Texels texels(coverage);
-    const vec3 eye(0.225f, 0.6f, 0.6f), ahead(0.25f, 0.001f, 0.002f), aside(0.0f, 1e-4f, 0.0f), down(0.0f, 0.0f, 1e-4f);
-    const vec2 open = openStretch(texels, eye, ahead, aside, down, kRayInfinity);
-    EXPECT_NEAR(open.x, 0.12f, 0.02f) << "behind what the eye stands in";
-    EXPECT_NEAR(open.y, 2.1f, 1e-3f);
-    for (const float end : {0.2f, 1.0f, 2.0f})
-        EXPECT_FALSE(walkToUnseen(texels, eye, ahead, 1.0f, end, open).isUnseen) << end;
-    EXPECT_NEAR(walkToUnseen(texels, eye, ahead, 1.0f, kRayInfinity, open).depth, 2.1f, 1e-3f);
-}
-
-/// Voxels in which nothing is unseen, asked of the tree itself; outside there are none.
-bool isOpen(const scene::Coverage& coverage, const std::array<int, 3>& voxel) {
-    constexpr double kEdge = 1.0 / kVoxelsAcross;
-    const glm::dvec3 corner = kEdge * glm::dvec3(voxel[0], voxel[1], voxel[2]);
-    // No tree of the test divides a voxel further.
-    const glm::dvec3 p = coverage.cornerInWorld + coverage.edgeMetres * (corner + 0.5 * kEdge);
-    const auto cell = cellAt(coverage, p);
-    return cell && cell->observed != scene::Observed::unseen;
-}
-
-TEST(UnseenWalk, RingsAreAllTheOpenCubesOfVoxelsAboutOne) {
-    scene::Coverage coverage = scene::randomCoverage(5, 3, 0.002);
-    const Texels texels(coverage);
-    std::mt19937 random(6);
-    int wide = 0;
-    for (int i = 0; i < 300; ++i) {
-        const std::array<int, 3> at{int(random() % kVoxelsAcross), int(random() % kVoxelsAcross),
-                                    int(random() % kVoxelsAcross)};
-        int rings = 0;
-        for (bool isAllOpen = true; isAllOpen && rings < 20; rings += isAllOpen ? 1 : 0)
-            for (int z = at[2] - rings; z <= at[2] + rings; ++z)
-                for (int y = at[1] - rings; y <= at[1] + rings; ++y)
-                    for (int x = at[0] - rings; x <= at[0] + rings; ++x)
-                        isAllOpen = isAllOpen && isOpen(coverage, {x, y, z});
-        const glm::dvec3 p = (glm::dvec3(at[0], at[1], at[2]) + 0.5) / double(kVoxelsAcross);
-        EXPECT_EQ(std::min(int(unseenVoxelAt(texels, vec3(p)).rings), 20), rings)
-            << at[0] << " " << at[1] << " " << at[2];
-        wide += rings > 3 ? 1 : 0;
-    }
-    EXPECT_GT(wide, 50);
-}
-
-/// Beams of rays through a tree: what they pass together is open, and each finds what it finds alone.
-void expectToGoTogether(const scene::Coverage& coverage, float pocket, const vec3& least = vec3(0.0f), float edge = 1) {
-    const Texels texels(coverage);
-    std::mt19937 random(8);
-    const auto uniform = [&] { return static_cast<float>(random()) / 4294967296.0f; };
-    int beams = 0, together = 0, later = 0, differ = 0;
-    for (int i = 0; i < 400; ++i) {
-        const vec3 eye = least + edge * vec3(uniform(), uniform(), uniform());
-        const vec3 base = edge * vec3(uniform() - 0.5f, uniform() - 0.5f, uniform() - 0.5f);
-        const vec3 across = edge * vec3(0.02f * uniform(), 0.02f * uniform(), 0.0f),
-                   down = edge * vec3(0.0f, 0.0f, 0.02f * uniform());
-        const float farthest = i % 2 == 0 ? kRayInfinity : 2 * uniform();
-        const vec2 open = openStretch(texels, eye, base, across, down, farthest);
-        ++beams, together += open.y - open.x > 0.05f ? 1 : 0, later += open.y > open.x && open.x > 0 ? 1 : 0;
-        for (int ray = 0; ray < 10; ++ray) {
-            const vec3 direction = base + uniform() * across + uniform() * down;
-            for (int k = 1; k < 40; ++k) {
-                const vec3 p = eye + (open.x + float(k) / 40.0f * (open.y - open.x)) * direction;
-                EXPECT_FALSE(open.y > open.x && unseenCellAt(texels, p).isUnseen) << "something unseen was passed over";
-            }
-            // Some end sooner than the one that goes farthest, most of those before the stretch does.
-            const float end = ray % 2 == 0 ? farthest : std::min(farthest, 2.0f) * uniform();
-            const UnseenHit alone = walkToUnseen(texels, eye, direction, pocket, end, vec2(0.0f)),
-                            on = walkToUnseen(texels, eye, direction, pocket, end, open);
-            // At a face between two cells single precision may choose the other one.
-            const bool isSame =
-                alone.isUnseen == on.isUnseen &&
-                (!alone.isUnseen || std::abs(on.depth - alone.depth) <= 1e-3f * std::max(alone.depth, 1e-3f));
-            differ += isSame ? 0 : 1;
-            EXPECT_FALSE(on.isUnseen && on.depth > end) << "behind what is drawn";
-        }
-    }
-    EXPECT_GT(together, beams / 8) << "or nothing was tested";
-    EXPECT_GT(later, beams / 40) << "of those that begin away from the eye";
-    EXPECT_LE(differ, 8) << "of 4000";
-}
-
-TEST(UnseenWalk, GoesTogetherWhereItIsOpenForAll) {
-    // Five levels deep: voxels are divided.
-    const scene::Coverage coverage = scene::randomCoverage(7, 5, 0.001);
-    expectToGoTogether(coverage, 0);
-    expectToGoTogether(coverage, 0.3f);
-    expectToGoTogether(scene::coarsened(coverage, 4), 0.3f);
-    const vec3 least = vec3(5, 7, 3) / 16.0f;
-    expectToGoTogether(flatSite(7, 6, 0.001), 0.3f, least, 1.0f / 16);
-}
-
-TEST(UnseenWalk, NoMoreTexelsThanAreForetold) {
-    const scene::Coverage coverage = scene::randomCoverage(9, 6, 0.3, 0.15);
-    const std::vector<std::size_t> most = coverageTexelsByLevels(coverage);
-    ASSERT_EQ(most.size(), 7u);
-    EXPECT_EQ(most[6], coverageTexels(coverage).texels.size()) << "all of it is counted exactly";
-    for (int levels = 5; levels >= 3; --levels) {
-        const std::size_t texels = coverageTexels(scene::coarsened(coverage, levels)).texels.size(),
-                          foretold = most[static_cast<std::size_t>(levels)];
-        EXPECT_LE(texels, foretold) << levels;
-        EXPECT_LT(foretold, levels > 4 ? most[static_cast<std::size_t>(levels) + 1] : foretold + 1);
-    }
-    EXPECT_EQ(most[4], coverageTexels(scene::coarsened(coverage, 2)).texels.size()) << "the grid alone";
-}
-
 class Unseen : public RenderTest {
   protected:
     std::vector<EyeImage> draw(std::span<const scene::View> eyes, const scene::Coverage* coverage,
@@ -380,7 +88,7 @@ INSTANTIATE_TEST_SUITE_P(Levels, UnseenOfLevels, testing::Values(5, 4));
 TEST_P(UnseenOfLevels, PixelsAreThoseOfTheProcessor) {
     const scene::Coverage coverage = scene::coarsened(roomCoverage(), GetParam());
     ASSERT_EQ(scene::levelsOf(coverage), GetParam());
-    const Texels texels(coverage);
+    const TreeTexels texels(coverage);
     // No whole number of blocks, and not looking through the middle of the picture.
     auto eyes = eyesAt();
     for (scene::View& eye : eyes) {

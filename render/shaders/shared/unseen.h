@@ -72,8 +72,9 @@ SHARED_CONSTANT uint kBeamPixels = 8u;     ///< along the side of a block of pix
 SHARED_CONSTANT int kMostBeamSteps = 64;
 /// Voxels: where the boxes are smaller it is no use to go on together.
 SHARED_CONSTANT float kLeastBeamStep = 0.05f;
-SHARED_CONSTANT int kMostBeamStarts = 12;    ///< so often they begin anew behind what is not open for all
-SHARED_CONSTANT float kBeamStart = 0.2f;     ///< so much farther, of the way until there; a voxel at least
+SHARED_CONSTANT int kMostBeamStarts = 12;              ///< so often they begin anew behind what is not open for all
+SHARED_CONSTANT float kBeamStart = 0.2f;               ///< so much farther, of the way until there
+SHARED_CONSTANT float kLeastBeamStart = 1.0f / 256.0f; ///< of the edge of the cube, at least
 SHARED_CONSTANT int kMostUnseenSteps = 2048; ///< through the finest cells of a cube a ray takes fewer in any real scene
 SHARED_CONSTANT float kRayInfinity = 1e30f;
 
@@ -231,6 +232,7 @@ COVERAGE_TEMPLATE SHARED_FUNCTION vec2 openStretch(COVERAGE_PARAMETER vec3 eye, 
     vec3 neverLow = vec3(least.x < 0.0f ? 0.0f : kRayInfinity, least.y < 0.0f ? 0.0f : kRayInfinity,
                          least.z < 0.0f ? 0.0f : kRayInfinity);
     float perVoxel = 1.0f / (size * max(max(abs(middle.x), abs(middle.y)), abs(middle.z)));
+    float perStart = perVoxel * size * kLeastBeamStart;
     vec2 best = vec2(0.0f, 0.0f);
     float t = 0.0f, from = 0.0f;
     int closed = 0;
@@ -247,7 +249,7 @@ COVERAGE_TEMPLATE SHARED_FUNCTION vec2 openStretch(COVERAGE_PARAMETER vec3 eye, 
             t = next;
             if (t - from > best.y - best.x) best = vec2(from, t);
         } else {
-            t = t + max(perVoxel, kBeamStart * t);
+            t = t + max(perStart, kBeamStart * t);
             from = t;
             closed = closed + 1;
         }
