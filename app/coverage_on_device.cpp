@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,7 @@ namespace {
 
 /// Of fewer levels the tree takes no less: they are the grid of voxels.
 constexpr int kFewestLevels = render::kLeastVoxelLevel;
+constexpr std::size_t kNoBytes = std::numeric_limits<std::size_t>::max(); ///< are too many
 
 std::string millimetresOf(double metres) {
     char text[32];
@@ -36,18 +38,19 @@ void sayIsCoarser(const scene::Coverage& coverage, const CoverageForm& form) {
 } // namespace
 
 CoverageForm formOf(const scene::Coverage& coverage, std::size_t mostTexels, const CoverageWish& wish) {
-    const std::vector<std::size_t> texels = render::coverageTexelsByLevels(coverage);
-    CoverageForm form{.wished = static_cast<int>(texels.size()) - 1};
+    const std::vector<std::size_t> bytes = render::coverageBytesByLevels(coverage);
+    CoverageForm form{.wished = static_cast<int>(bytes.size()) - 1};
     while (form.wished > 1 && scene::cellOfLevels(coverage, form.wished) < wish.leastCellMetres)
         --form.wished;
-    const std::size_t share = wish.mostBytes / sizeof(render::CoverageTexel), most = std::min(share, mostTexels);
-    const auto texelsNow = [&] { return texels[static_cast<std::size_t>(form.levels)]; };
+    const std::size_t readable =
+        mostTexels < kNoBytes / sizeof(render::CoveragePair) ? mostTexels * sizeof(render::CoveragePair) : kNoBytes;
+    const auto bytesNow = [&] { return bytes[static_cast<std::size_t>(form.levels)]; };
     form.levels = form.wished;
-    while (form.levels > kFewestLevels && texelsNow() > most)
+    while (form.levels > kFewestLevels && bytesNow() > std::min(wish.mostBytes, readable))
         --form.levels;
-    form.bytes = texelsNow() * sizeof(render::CoverageTexel);
+    form.bytes = bytesNow();
     if (form.levels < form.wished)
-        form.why = mostTexels < share ? "the device's shaders read no larger buffer" : wish.whyNoMore;
+        form.why = readable < wish.mostBytes ? "the device's shaders read no larger buffer" : wish.whyNoMore;
     return form;
 }
 

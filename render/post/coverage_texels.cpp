@@ -14,10 +14,10 @@ namespace render {
 
 namespace {
 
-constexpr std::uint8_t kOpen = 254; ///< before rings are counted: nothing unseen in it; and the most rings
-constexpr std::size_t kLines = 32;  ///< that lie side by side, as one vector instruction or two take them
+constexpr std::uint8_t kOpen = 254;       ///< before rings are counted: nothing unseen in it; and the most rings
+constexpr std::size_t kVoxelsPerWord = 4; ///< of rings, and of bases
+constexpr std::size_t kLines = 32;        ///< that lie side by side, as one vector instruction or two take them
 
-using Texels = std::vector<CoverageTexel>;
 using Rings = std::vector<std::uint8_t>;
 
 /// Whether there is any unseen space in a node or below; children come after their parents.
@@ -80,12 +80,19 @@ struct Box {
 std::size_t acrossAt(int level) {
     return std::size_t{1} << (2 * level);
 }
+int levelOf(const Box& box) {
+    return std::countr_zero(box.across) / 2;
+}
 
 /// From the least to the greatest cell of the finest level that voxels may have in which anything was observed.
 struct ObservedBounds {
     Place least{acrossAt(kMostVoxelLevel), acrossAt(kMostVoxelLevel), acrossAt(kMostVoxelLevel)}, end{};
 
-    explicit ObservedBounds(const Tree& tree) { add(tree.nodes, 0, {{0, 0, 0}, acrossAt(kMostVoxelLevel)}); }
+    /// Cells of the last level that are divided further count as observed.
+    explicit ObservedBounds(const Tree& tree, int levels = kMostVoxelLevel)
+        : smallest_(acrossAt(kMostVoxelLevel - std::min(levels, kMostVoxelLevel))) {
+        add(tree.nodes, 0, {{0, 0, 0}, acrossAt(kMostVoxelLevel)});
+    }
     bool isNothing() const { return end[0] == 0; }
 
   private:
@@ -98,7 +105,7 @@ struct ObservedBounds {
                 return cell.first[axis] >= least[axis] && cell.first[axis] + cell.edge <= end[axis];
             };
             if (isKnown(0) && isKnown(1) && isKnown(2)) continue;
-            if ((node.children & scene::coverageMask(bit)) != 0 && cell.edge > 1) {
+            if ((node.children & scene::coverageMask(bit)) != 0 && cell.edge > smallest_) {
                 add(nodes, node.firstChild + scene::childRank(node.children, bit), cell);
                 continue;
             }
@@ -108,6 +115,8 @@ struct ObservedBounds {
             }
         }
     }
+
+    std::size_t smallest_;
 };
 
 /// The box at a level of the tree, with a voxel more on each side where there is one, and rows of whole vectors.
@@ -125,8 +134,7 @@ Box boxAt(const ObservedBounds& observed, int level) {
 }
 
 /// As fine as the most voxels allow, and no finer than the tree.
-Box boxOf(const Tree& tree, int levels) {
-    const ObservedBounds observed(tree);
+Box boxOf(int levels, const ObservedBounds& observed) {
     if (observed.isNothing()) return {acrossAt(kLeastVoxelLevel), {0, 0, 0}, {kLines, 1, 1}};
     Box box = boxAt(observed, kLeastVoxelLevel);
     for (int level = kLeastVoxelLevel + 1; level <= std::min(levels, kMostVoxelLevel); ++level)
@@ -137,7 +145,7 @@ Box boxOf(const Tree& tree, int levels) {
 UnseenGrid gridOf(const Box& box) {
     const auto placed = [](const Place& place) { return vec3(glm::dvec3(place[0], place[1], place[2])); };
     return {placed(box.first), static_cast<float>(box.across), placed(box.count),
-            static_cast<std::uint32_t>(box.voxels() / 16)};
+            static_cast<std::uint32_t>(box.voxels() / kVoxelsPerWord)};
 }
 
 /// What the tree says of each voxel.
@@ -190,11 +198,10 @@ class Voxels {
 };
 
 /// Those of divided voxels in the voxels' order, then all below them.
-Texels nodesOf(const Tree& tree, const Voxels& voxels) {
+void addNodes(const Tree& tree, const Voxels& voxels, CoverageTexels& texels) {
     std::vector<std::size_t> kept;
     for (const auto& [voxel, node] : voxels.divided)
         kept.push_back(node);
-    Texels texels;
     for (std::size_t i = 0; i < kept.size(); ++i) {
         const auto firstChild = static_cast<std::uint32_t>(kept.size());
         std::uint64_t children = 0;
@@ -204,10 +211,10 @@ Texels nodesOf(const Tree& tree, const Voxels& voxels) {
         });
         const std::uint64_t unseen = tree.nodes[kept[i]].unseen;
         const auto low = [](std::uint64_t mask) { return static_cast<std::uint32_t>(mask); };
-        texels.push_back({low(unseen), low(unseen >> 32), low(children), low(children >> 32)});
-        texels.push_back({firstChild, 0, 0, 0});
+        texels.masks.push_back({low(unseen), low(children)});
+        texels.masks.push_back({low(unseen >> 32), low(children >> 32)});
+        texels.links.push_back({firstChild, static_cast<std::uint32_t>(std::popcount(low(children)))});
     }
-    return texels;
 }
 
 /// Along a line of voxels that are open or not: how far each is from what is not open. Outside nothing was observed.
@@ -285,38 +292,44 @@ void countRings(Rings& rings, const Box& box) {
 
 CoverageTexels coverageTexels(const scene::Coverage& coverage) {
     const Tree tree(coverage);
-    const Box box = boxOf(tree, scene::levelsOf(coverage));
+    const Box box = boxOf(scene::levelsOf(coverage), ObservedBounds(tree));
     Voxels voxels(tree, box);
     countRings(voxels.rings, box);
-    CoverageTexels all{gridOf(box), Texels(firstCoverageNode(gridOf(box)))};
-    Texels& texels = all.texels;
+    CoverageTexels all{gridOf(box), {}, {}, {}};
+    addNodes(tree, voxels, all);
+    const std::size_t bases = all.grid.firstBase;
+    all.words.resize(2 * bases);
     for (std::size_t i = 0; i < voxels.rings.size(); ++i)
-        texels[i / 16][i / 4 % 4] |= std::uint32_t{voxels.rings[i]} << 8 * (i % 4);
+        all.words[i / kVoxelsPerWord] |= std::uint32_t{voxels.rings[i]} << 8 * (i % kVoxelsPerWord);
     std::uint32_t before = 0;
-    for (std::size_t i = 0; i < voxels.rings.size() / 16; ++i) {
-        texels[all.grid.firstBase + i / 4][i % 4] = before;
-        while (before < voxels.divided.size() && voxels.divided[before].first / 16 == i)
+    for (std::size_t i = 0; i < bases; ++i) {
+        all.words[bases + i] = before;
+        while (before < voxels.divided.size() && voxels.divided[before].first / kVoxelsPerWord == i)
             ++before;
     }
-    const Texels nodes = nodesOf(tree, voxels);
-    texels.insert(texels.end(), nodes.begin(), nodes.end());
     return all;
 }
 
-std::vector<std::size_t> coverageTexelsByLevels(const scene::Coverage& coverage) {
-    const std::vector<std::uint8_t> hasUnseen = findUnseen(coverage.nodes);
+std::vector<std::size_t> coverageBytesByLevels(const scene::Coverage& coverage) {
+    const Tree tree(coverage);
     const std::vector<std::size_t> firsts = scene::firstNodesOf(coverage);
-    // Voxels are seldom as many, but how many there are only a tree knows that is coarsened.
-    std::vector<std::size_t> texels{kMostVoxels / 16 + kMostVoxels / 64};
-    for (std::size_t level = 0; level + 1 < firsts.size(); ++level) {
-        // Above those that voxels are divided into, the grid stands for the tree.
-        std::size_t nodes = 0;
-        if (level >= kLeastVoxelLevel)
-            for (std::size_t i = firsts[level]; i < firsts[level + 1]; ++i)
-                nodes += hasUnseen[i];
-        texels.push_back(texels.back() + kTexelsPerCoverageNode * nodes);
+    const int all = static_cast<int>(firsts.size()) - 1;
+    const Box exact = boxOf(all, ObservedBounds(tree));
+    std::vector<std::size_t> bytes{0};
+    for (int levels = 1; levels <= all; ++levels) {
+        // Which box it is once it is coarsened is not known: within this one, perhaps of finer voxels.
+        const Box whole = boxOf(levels, ObservedBounds(tree, levels));
+        const bool isFinest = whole.across == acrossAt(std::clamp(levels, kLeastVoxelLevel, kMostVoxelLevel));
+        const std::size_t voxels = levels == all ? exact.voxels() : isFinest ? whole.voxels() : kMostVoxels;
+        const int below = levels == all ? levelOf(exact) : kLeastVoxelLevel;
+        std::size_t nodes = 0; // above those that voxels are divided into, the grid stands for the tree
+        for (int level = below; level < levels; ++level)
+            for (std::size_t i = firsts[static_cast<std::size_t>(level)];
+                 i < firsts[static_cast<std::size_t>(level) + 1]; ++i)
+                nodes += tree.hasUnseen[i];
+        bytes.push_back(2 * voxels + 3 * sizeof(CoveragePair) * nodes);
     }
-    return texels;
+    return bytes;
 }
 
 } // namespace render

@@ -18,28 +18,30 @@ inline constexpr std::size_t kMostVoxels = 1u << 24; ///< as many as there are o
 /// A ray takes unseen ones one by one, and no more steps than kMostUnseenSteps.
 inline constexpr std::size_t kMostVoxelsOnARay = 1536;
 
-using CoverageTexel = std::array<std::uint32_t, 4>;
+using CoveragePair = std::array<std::uint32_t, 2>;
 
-/// Texels, one after another:
+/// Words of the grid, and pairs of words of the tree below it, each in a buffer of its own, since there is a limit to
+/// what shaders can read of one:
 ///
-///     rings    of the voxels, a byte each, x first, then y, then z
-///     bases    a word for sixteen voxels: how many divided ones come before them
-///     nodes    two texels each: masks of unseen and of divided cells, low words first; (first child, 0, 0, 0)
+///     words    rings of the voxels, a byte each, x first, then y, then z;
+///              bases: for each four voxels how many divided ones come before them
+///     masks    two for each node, of the lower half of its cells and of the upper: of unseen and of divided cells
+///     links    one for each node: first child, and how many children are in the lower half
 ///
 /// Nodes of divided voxels come first, in the voxels' order, then all below. A cell without unseen space in it counts
 /// as seen whole, however it is divided. The voxels are a box about all that was observed, a voxel more on each side
 /// where there is more of the cube: as small as the most of them allow, since sites are wide and flat.
 struct CoverageTexels {
     UnseenGrid grid;
-    std::vector<CoverageTexel> texels;
-    bool hasDivided() const { return texels.size() > firstCoverageNode(grid); } ///< voxels
+    std::vector<std::uint32_t> words;
+    std::vector<CoveragePair> masks, links; ///< none if no voxel is divided
 };
 
 /// The same on any number of threads.
 CoverageTexels coverageTexels(const scene::Coverage& coverage);
 
-/// How many texels at most there are of it coarsened to so many levels (scene/coverage_levels.h), by levels: from 0, of
-/// which there is none, to all it has.
-std::vector<std::size_t> coverageTexelsByLevels(const scene::Coverage& coverage);
+/// How many bytes that takes at most, of the coverage coarsened to so many levels (scene/coverage_levels.h), by levels:
+/// from 0, of which there is none, to all it has, of which it is exact.
+std::vector<std::size_t> coverageBytesByLevels(const scene::Coverage& coverage);
 
 } // namespace render

@@ -7,6 +7,7 @@
 #include "scene/errors.h"
 #include "spirv/unseen.comp.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <string>
@@ -16,7 +17,7 @@ namespace render {
 
 namespace {
 
-constexpr std::array kUnseenBindings{Binding::texels};
+constexpr std::array kUnseenBindings{Binding::texels, Binding::texels, Binding::texels};
 
 /// A period of the stripes, measured across them. Wide enough to be told apart at the far side of a room.
 constexpr double kStripeMetres = 0.12;
@@ -39,17 +40,26 @@ GpuCoverage::GpuCoverage(const Device& device, std::unique_ptr<const scene::Cove
     const scene::Coverage& coverage = openGrid_.coverage();
     cornerInWorld_ = coverage.cornerInWorld, edgeMetres_ = coverage.edgeMetres;
     levels_ = scene::levelsOf(coverage), finestCellMetres_ = scene::finestCellOf(coverage);
-    const CoverageTexels made = coverageTexels(coverage);
-    grid_ = made.grid, hasDivided_ = made.hasDivided();
-    const std::vector<CoverageTexel>& texels = made.texels;
-    if (texels.size() > device.limits().maxTexelBufferElements)
-        throw scene::Failure("coverage takes " + std::to_string(texels.size()) + " texels, more than the " +
-                                 std::to_string(device.limits().maxTexelBufferElements) + " a shader can read",
+    CoverageTexels made = coverageTexels(coverage);
+    grid_ = made.grid, hasDivided_ = !made.links.empty();
+    const std::size_t texels = std::max(made.words.size(), made.masks.size()),
+                      most = device.limits().maxTexelBufferElements;
+    if (texels > most)
+        throw scene::Failure("coverage takes " + std::to_string(texels) + " texels, more than the " +
+                                 std::to_string(most) + " a shader can read",
                              device.name(), "choose another device, or draw with --hide-unseen");
-    texels_ = upload(device, std::as_bytes(std::span(texels)), VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT);
-    view_ = makeTexelView(device, texels_, VK_FORMAT_R32G32B32A32_UINT);
+    if (!hasDivided_) made.masks.resize(1), made.links.resize(1); // there is no empty buffer
+    const auto onDevice = [&](const auto& given) {
+        return upload(device, std::as_bytes(std::span(given)), VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT);
+    };
+    words_ = onDevice(made.words), masks_ = onDevice(made.masks), links_ = onDevice(made.links);
+    wordsView_ = makeTexelView(device, words_, VK_FORMAT_R32_UINT);
+    masksView_ = makeTexelView(device, masks_), linksView_ = makeTexelView(device, links_);
     pool_ = makeSetPool(device, 1, kUnseenBindings);
-    set_ = allocateSet(device, pool_, layout_, std::array<Bound, 1>{{{texels_.handle(), view_}}});
+    set_ =
+        allocateSet(device, pool_, layout_,
+                    std::array<Bound, 3>{
+                        {{words_.handle(), wordsView_}, {masks_.handle(), masksView_}, {links_.handle(), linksView_}}});
 }
 
 ComputePipeline makeUnseenPipeline(const Device& device, const GpuCoverage& coverage, VkDescriptorSetLayout eyeLayout) {

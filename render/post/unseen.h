@@ -29,7 +29,7 @@ class GpuCoverage {
     double finestCellMetres() const { return finestCellMetres_; }
     const UnseenGrid& grid() const { return grid_; } ///< of voxels
     bool hasDivided() const { return hasDivided_; }  ///< voxels
-    std::size_t bytes() const { return texels_.size(); }
+    std::size_t bytes() const { return words_.size() + masks_.size() + links_.size(); }
     /// Null if it is its own.
     const scene::Coverage* lent() const { return own_ ? nullptr : &openGrid_.coverage(); }
     const scene::OpenGrid& openGrid() const { return openGrid_; } ///< on the processor: what it may hide
@@ -45,8 +45,8 @@ class GpuCoverage {
     scene::OpenGrid openGrid_;
     UnseenGrid grid_{};
     bool hasDivided_ = false;
-    Buffer texels_;
-    BufferView view_;
+    Buffer words_, masks_, links_;
+    BufferView wordsView_, masksView_, linksView_;
     VkDescriptorSetLayout layout_ = VK_NULL_HANDLE;
     DescriptorPool pool_;
     VkDescriptorSet set_ = VK_NULL_HANDLE;

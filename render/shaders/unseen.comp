@@ -10,9 +10,13 @@ layout(constant_id = 1) const bool kHasDivided = true;
 
 layout(std430, set = 0, binding = 2) buffer Colours { uint colours[]; };
 layout(std430, set = 0, binding = 3) buffer Depths { float depths[]; };
-layout(set = 1, binding = 0) uniform usamplerBuffer coverageTexels;
+layout(set = 1, binding = 0) uniform usamplerBuffer coverageWords;
+layout(set = 1, binding = 1) uniform usamplerBuffer coverageNodes;
+layout(set = 1, binding = 2) uniform usamplerBuffer coverageLinks;
 
-uvec4 coverageTexel(uint index) { return texelFetch(coverageTexels, int(index)); }
+uint coverageWord(uint index) { return texelFetch(coverageWords, int(index)).x; }
+uvec2 coverageMasks(uint index) { return texelFetch(coverageNodes, int(index)).xy; }
+uvec2 coverageLink(uint index) { return texelFetch(coverageLinks, int(index)).xy; }
 
 #include "render/shaders/shared/unseen.h"
 

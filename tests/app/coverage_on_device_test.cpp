@@ -21,12 +21,10 @@ class CoverageForms : public testing::Test {
     CoverageForm formOf(std::size_t mostTexels, const CoverageWish& wish) const {
         return app::formOf(coverage_, mostTexels, wish);
     }
-    std::size_t bytesOf(int levels) const {
-        return texels_.at(static_cast<std::size_t>(levels)) * sizeof(render::CoverageTexel);
-    }
+    std::size_t bytesOf(int levels) const { return bytes_.at(static_cast<std::size_t>(levels)); }
 
     const scene::Coverage coverage_ = scene::randomCoverage(21, 6, 0.3, 0.15);
-    const std::vector<std::size_t> texels_ = render::coverageTexelsByLevels(coverage_);
+    const std::vector<std::size_t> bytes_ = render::coverageBytesByLevels(coverage_);
 };
 
 TEST_F(CoverageForms, AllOfItWhereThereIsRoom) {
@@ -51,11 +49,14 @@ TEST_F(CoverageForms, AsFineAsItsShareAllowsAndAtLeastTheCoarsest) {
 }
 
 TEST_F(CoverageForms, AsFineAsShadersCanRead) {
-    const CoverageForm form = formOf(texels_[6] - 1, {.mostBytes = bytesOf(6), .whyNoMore = "asked"});
+    const CoverageForm form =
+        formOf(bytesOf(6) / sizeof(render::CoveragePair) - 1, {.mostBytes = bytesOf(6), .whyNoMore = "asked"});
     EXPECT_EQ(form.levels, 5);
     EXPECT_NE(form.why.find("shaders"), std::string::npos) << form.why;
     // Where the share is what is small, it is not the device's fault.
-    EXPECT_EQ(formOf(texels_[6] - 1, {.mostBytes = bytesOf(4), .whyNoMore = "asked"}).why, "asked");
+    EXPECT_EQ(
+        formOf(bytesOf(6) / sizeof(render::CoveragePair) - 1, {.mostBytes = bytesOf(4), .whyNoMore = "asked"}).why,
+        "asked");
 }
 
 TEST_F(CoverageForms, NoFinerThanWished) {

@@ -10,10 +10,12 @@ struct TreeTexels {
     CoverageTexels made;
     explicit TreeTexels(const scene::Coverage& coverage) : made(coverageTexels(coverage)) {}
     const UnseenGrid& grid() const { return made.grid; }
-    uvec4 operator()(uint index) const {
-        const CoverageTexel& texel = made.texels.at(index);
-        return {texel[0], texel[1], texel[2], texel[3]};
-    }
+    uint word(uint index) const { return made.words.at(index); }
+    uvec2 masks(uint index) const { return of(made.masks.at(index)); }
+    uvec2 link(uint index) const { return of(made.links.at(index)); }
+
+  private:
+    static uvec2 of(const CoveragePair& pair) { return {pair[0], pair[1]}; }
 };
 
 } // namespace render

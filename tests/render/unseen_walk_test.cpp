@@ -87,7 +87,7 @@ TEST(UnseenWalk, FindsTheCellsOfAFlatSite) {
     }
     // As fine as the tree, and no finer.
     EXPECT_EQ(Texels(flatSite(1, 5, 0.3)).grid().size, 1024);
-    EXPECT_FALSE(coverageTexels(flatSite(1, 5, 0.3)).hasDivided());
+    EXPECT_TRUE(coverageTexels(flatSite(1, 5, 0.3)).links.empty());
     EXPECT_EQ(Texels(flatSite(1, 4, 0.3)).grid().size, 256);
 }
 
@@ -332,23 +332,29 @@ TEST(UnseenWalk, GoesTogetherWhereItIsOpenForAll) {
     expectToGoTogether(farSite(7, 7, 0.001), 0, vec3(kFarLeast), 1.0f / 64);
 }
 
-TEST(UnseenWalk, NoMoreTexelsThanAreForetold) {
+std::size_t bytesOf(const scene::Coverage& coverage) {
+    const CoverageTexels made = coverageTexels(coverage);
+    return made.words.size() * sizeof(std::uint32_t) + (made.masks.size() + made.links.size()) * sizeof(CoveragePair);
+}
+
+TEST(UnseenWalk, NoMoreBytesThanAreForetold) {
     const scene::Coverage coverage = scene::randomCoverage(9, 6, 0.3, 0.15);
-    const std::vector<std::size_t> most = coverageTexelsByLevels(coverage);
+    const std::vector<std::size_t> most = coverageBytesByLevels(coverage);
     ASSERT_EQ(most.size(), 7u);
-    EXPECT_EQ(most[6], coverageTexels(coverage).texels.size()) << "all of it is counted exactly";
+    EXPECT_EQ(most[6], bytesOf(coverage)) << "all of it is counted exactly";
     for (int levels = 5; levels >= 3; --levels) {
-        const std::size_t texels = coverageTexels(scene::coarsened(coverage, levels)).texels.size(),
+        const std::size_t bytes = bytesOf(scene::coarsened(coverage, levels)),
                           foretold = most[static_cast<std::size_t>(levels)];
-        EXPECT_LE(texels, foretold) << levels;
+        EXPECT_LE(bytes, foretold) << levels;
         EXPECT_LT(foretold, levels > 4 ? most[static_cast<std::size_t>(levels) + 1] : foretold + 1);
     }
-    EXPECT_EQ(most[4], coverageTexels(scene::coarsened(coverage, 2)).texels.size()) << "the grid alone";
-    const scene::Coverage flat = flatSite(9, 7, 0.3, 0.15);
-    const std::vector<std::size_t> mostOfFlat = coverageTexelsByLevels(flat);
-    for (int levels = 7; levels >= 4; --levels)
-        EXPECT_LE(coverageTexels(scene::coarsened(flat, levels)).texels.size(),
-                  mostOfFlat[static_cast<std::size_t>(levels)]);
+    EXPECT_EQ(most[4], bytesOf(scene::coarsened(coverage, 2))) << "the grid alone";
+    for (const scene::Coverage& site : {flatSite(9, 7, 0.3, 0.15), farSite(9, 7, 0.3, 0.15)}) {
+        const std::vector<std::size_t> mostOfSite = coverageBytesByLevels(site);
+        EXPECT_EQ(mostOfSite[7], bytesOf(site));
+        for (int levels = 6; levels >= 3; --levels)
+            EXPECT_LE(bytesOf(scene::coarsened(site, levels)), mostOfSite[static_cast<std::size_t>(levels)]) << levels;
+    }
 }
 
 } // namespace

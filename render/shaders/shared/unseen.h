@@ -16,8 +16,10 @@
 // Whoever includes this says with kHasDivided whether any voxel is divided: a shader for a tree without does not go
 // below, not even where a driver does both sides of a branch.
 //
-// Before this header: texels of four words each through coverageTexel(index), as render/post/coverage_texels.h lays
-// them out; behind it, of which grid they are through coverageGrid().
+// Before this header: words of the grid through coverageWord(index), and of the tree's nodes, in pairs, through
+// coverageMasks(index) and coverageLink(index), as render/post/coverage_texels.h lays them out; behind it, which grid
+// it is through coverageGrid(). No more is read than is asked for: a software driver gathers each word of each
+// invocation by itself.
 
 #include "render/shaders/shared/language.h"
 #include "render/shaders/shared/z_key.h"
@@ -45,7 +47,7 @@ struct UnseenGrid {
     vec3 first;     ///< of all voxels that the cube would have room for, the first one along each axis
     float size;     ///< voxels along the edge of the cube
     vec3 count;     ///< voxels along each edge of the box
-    uint firstBase; ///< texel
+    uint firstBase; ///< word
 };
 
 /// A place in the tree: the cell that a point is in.
@@ -66,7 +68,6 @@ struct UnseenHit {
 static_assert(sizeof(UnseenConstants) == 128); // as much as every device takes
 #endif
 
-SHARED_CONSTANT uint kTexelsPerCoverageNode = 2u;
 SHARED_CONSTANT uint kDividedVoxel = 255u; ///< instead of rings: the tree knows more of the voxel
 SHARED_CONSTANT uint kBeamPixels = 8u;     ///< along the side of a block of pixels
 SHARED_CONSTANT int kMostBeamSteps = 64;
@@ -82,7 +83,9 @@ SHARED_CONSTANT float kRayInfinity = 1e30f;
 constexpr bool kHasDivided = true;
 #define COVERAGE_PARAMETER const CoverageTexels &texels,
 #define COVERAGE_ARGUMENT texels,
-#define COVERAGE_TEXEL(index) texels(index)
+#define COVERAGE_WORD(index) texels.word(index)
+#define COVERAGE_MASKS(index) texels.masks(index)
+#define COVERAGE_LINK(index) texels.link(index)
 #define COVERAGE_GRID texels.grid()
 #define COVERAGE_TEMPLATE template <class CoverageTexels>
 inline int bitCount(uint word) {
@@ -92,22 +95,12 @@ inline int bitCount(uint word) {
 UnseenGrid coverageGrid();
 #define COVERAGE_PARAMETER
 #define COVERAGE_ARGUMENT
-#define COVERAGE_TEXEL(index) coverageTexel(index)
+#define COVERAGE_WORD(index) coverageWord(index)
+#define COVERAGE_MASKS(index) coverageMasks(index)
+#define COVERAGE_LINK(index) coverageLink(index)
 #define COVERAGE_GRID coverageGrid()
 #define COVERAGE_TEMPLATE
 #endif
-
-/// Of sixteen voxels there is a word for how many divided ones come before them, four of these to a texel.
-SHARED_FUNCTION uint firstCoverageNode(UnseenGrid grid) {
-    return grid.firstBase + (grid.firstBase + 3u) / 4u;
-}
-
-/// One of four words, by the last two bits of a number.
-SHARED_FUNCTION uint wordOf(uvec4 words, uint i) {
-    uint low = (i & 1u) != 0u ? words.y : words.x;
-    uint high = (i & 1u) != 0u ? words.w : words.z;
-    return (i & 2u) != 0u ? high : low;
-}
 
 /// How many bytes of a word are those of divided voxels, which have all bits set.
 SHARED_FUNCTION int dividedIn(uint word) {
@@ -118,9 +111,9 @@ SHARED_FUNCTION int dividedIn(uint word) {
 
 struct UnseenVoxel {
     uint index;
-    vec3 at;       ///< its place in the cube, in voxels
-    uvec4 sixteen; ///< the rings of its sixteen
-    uint rings;    ///< so many cubes of voxels about each other, this the first, are open; 0: unseen; or kDividedVoxel
+    vec3 at;    ///< its place in the cube, in voxels
+    uint four;  ///< the rings of its four, a byte each
+    uint rings; ///< so many cubes of voxels about each other, this the first, are open; 0: unseen; or kDividedVoxel
 };
 
 /// p in the cube.
@@ -131,20 +124,16 @@ COVERAGE_TEMPLATE SHARED_FUNCTION UnseenVoxel unseenVoxelAt(COVERAGE_PARAMETER v
     vec3 inGrid = voxel.at - grid.first;
     uint row = uint(int(inGrid.z)) * uint(int(grid.count.y)) + uint(int(inGrid.y));
     voxel.index = row * uint(int(grid.count.x)) + uint(int(inGrid.x));
-    voxel.sixteen = COVERAGE_TEXEL(voxel.index >> 4);
-    voxel.rings = (wordOf(voxel.sixteen, voxel.index >> 2) >> (8u * (voxel.index & 3u))) & 255u;
+    voxel.four = COVERAGE_WORD(voxel.index >> 2);
+    voxel.rings = (voxel.four >> (8u * (voxel.index & 3u))) & 255u;
     return voxel;
 }
 
 /// Of a divided voxel.
 COVERAGE_TEMPLATE SHARED_FUNCTION uint nodeOfVoxel(COVERAGE_PARAMETER UnseenVoxel voxel) {
     UnseenGrid grid = COVERAGE_GRID;
-    uint firstBase = grid.firstBase;
-    uint word = (voxel.index >> 2) & 3u;
-    uint before = wordOf(voxel.sixteen, word) & ((1u << (8u * (voxel.index & 3u))) - 1u);
-    int rank = dividedIn(before) + (word > 0u ? dividedIn(voxel.sixteen.x) : 0) +
-               (word > 1u ? dividedIn(voxel.sixteen.y) : 0) + (word > 2u ? dividedIn(voxel.sixteen.z) : 0);
-    return wordOf(COVERAGE_TEXEL(firstBase + (voxel.index >> 6)), voxel.index >> 4) + uint(rank);
+    uint before = voxel.four & ((1u << (8u * (voxel.index & 3u))) - 1u);
+    return COVERAGE_WORD(grid.firstBase + (voxel.index >> 2)) + uint(dividedIn(before));
 }
 
 /// The box of open voxels about one that is not divided, or that voxel, if it is unseen; p in the voxel; size: voxels
@@ -165,7 +154,6 @@ COVERAGE_TEMPLATE SHARED_FUNCTION UnseenCell unseenCellAt(COVERAGE_PARAMETER vec
     float size = grid.size;
     if (!kHasDivided || voxel.rings != kDividedVoxel) return boxAbout(voxel, p, size);
     UnseenCell cell;
-    uint firstNode = firstCoverageNode(grid);
     uint node = nodeOfVoxel(COVERAGE_ARGUMENT voxel);
     vec3 within = (p * size - voxel.at) * 4.0f;
     float scale = size * 4.0f;
@@ -175,10 +163,8 @@ COVERAGE_TEMPLATE SHARED_FUNCTION UnseenCell unseenCellAt(COVERAGE_PARAMETER vec
         uint bit = uint(int(at.x)) + 4u * uint(int(at.y)) + 16u * uint(int(at.z));
         bool isHigh = bit >= 32u;
         uint mask = 1u << (bit & 31u);
-        uint texel = firstNode + node * kTexelsPerCoverageNode;
-        uvec4 masks = COVERAGE_TEXEL(texel);
-        uint unseen = isHigh ? masks.y : masks.x;
-        uint children = isHigh ? masks.w : masks.z;
+        uvec2 masks = COVERAGE_MASKS(2u * node + (isHigh ? 1u : 0u));
+        uint unseen = masks.x, children = masks.y;
         if ((children & mask) == 0u) {
             cell.isUnseen = (unseen & mask) != 0u;
             cell.within = within;
@@ -192,8 +178,8 @@ COVERAGE_TEMPLATE SHARED_FUNCTION UnseenCell unseenCellAt(COVERAGE_PARAMETER vec
             }
             return cell;
         }
-        uint rank = uint(bitCount(children & (mask - 1u))) + (isHigh ? uint(bitCount(masks.z)) : 0u);
-        node = COVERAGE_TEXEL(texel + 1u).x + rank;
+        uvec2 below = COVERAGE_LINK(node);
+        node = below.x + uint(bitCount(children & (mask - 1u))) + (isHigh ? below.y : 0u);
         within = within * 4.0f;
         scale = scale * 4.0f;
     }
