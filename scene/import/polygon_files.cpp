@@ -1,18 +1,33 @@
 #include "scene/import/polygon_files.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cstdio>
 #include <fstream>
+#include <string>
 
 namespace scene {
 
 namespace {
 
+/// Where a file of materials first names one; its end if it never does.
+std::size_t firstMaterialIn(const std::filesystem::path& path, std::size_t size) {
+    std::ifstream file(path, std::ios::binary);
+    std::string line;
+    for (std::size_t at = 0; std::getline(file, line); at += line.size() + 1) {
+        const std::size_t word = line.find_first_not_of(" \t");
+        if (word != std::string::npos && line.compare(word, 6, "newmtl") == 0) return std::min(at, size);
+    }
+    return size;
+}
+
 class FileStream : public Assimp::IOStream {
   public:
-    FileStream(const std::filesystem::path& path, std::set<Assimp::IOStream*>& open)
+    FileStream(const std::filesystem::path& path, bool isMaterials, std::set<Assimp::IOStream*>& open)
         : file_(path, std::ios::binary), size_(static_cast<std::size_t>(std::filesystem::file_size(path))),
           open_(open) {
+        // What stands before the first material belongs to none: Assimp writes it through a null pointer.
+        if (isMaterials) blankUpTo_ = firstMaterialIn(path, size_);
         open_.insert(this);
     }
     ~FileStream() override { open_.erase(this); }
@@ -21,8 +36,9 @@ class FileStream : public Assimp::IOStream {
 
     std::size_t Read(void* to, std::size_t size, std::size_t count) override {
         if (size == 0 || count == 0) return 0;
-        const std::size_t whole = std::min(count, (size_ - std::min(size_, Tell())) / size);
+        const std::size_t from = Tell(), whole = std::min(count, (size_ - std::min(size_, from)) / size);
         file_.read(static_cast<char*>(to), static_cast<std::streamsize>(whole * size));
+        if (from < blankUpTo_) std::fill_n(static_cast<char*>(to), std::min(blankUpTo_ - from, whole * size), '\n');
         return static_cast<std::size_t>(file_.gcount()) / size;
     }
     std::size_t Write(const void*, std::size_t, std::size_t) override { return 0; }
@@ -40,7 +56,7 @@ class FileStream : public Assimp::IOStream {
 
   private:
     mutable std::ifstream file_; // to ask where it stands is no change
-    std::size_t size_;
+    std::size_t size_, blankUpTo_ = 0;
     std::set<Assimp::IOStream*>& open_;
 };
 
@@ -77,7 +93,11 @@ Assimp::IOStream* PolygonFiles::Open(const char* path, const char* mode) {
     const std::filesystem::path found = findWithin(folder_, path);
     // Files are opened again, to see what they are.
     if (std::find(opened_.begin(), opened_.end(), found) == opened_.end()) opened_.push_back(found);
-    return new FileStream(found, streams_);
+    // An OBJ names its files of materials, whatever their extension; nothing else is opened with it.
+    std::string extension = opened_.front().extension().string();
+    std::transform(extension.begin(), extension.end(), extension.begin(),
+                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    return new FileStream(found, extension == ".obj" && found != opened_.front(), streams_);
 }
 
 void PolygonFiles::Close(Assimp::IOStream* stream) {

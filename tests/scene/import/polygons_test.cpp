@@ -39,6 +39,22 @@ PolygonScene squareWith(const ScratchFolder& folder, const std::string& mtl) {
     return readPolygons(folder / "a.obj");
 }
 
+// Assimp falls over them.
+TEST(Polygons, WhatStandsBeforeTheFirstMaterialBelongsToNone) {
+    const ScratchFolder folder;
+    writePicture(folder / "p.png");
+    for (const std::string before :
+         {"Kd 1 0 0\n", "m\nmap_Kd p.png\nNs 3\n", "illum 2\r\nd 0.5\r\n", " Ka 0 0 0\n\n"}) {
+        const PolygonScene scene = squareWith(folder, before + "newmtl m\nKd 0.5 0.25 1\n");
+        EXPECT_EQ(countTriangles(scene), 2) << before;
+        EXPECT_EQ(scene.materials[scene.meshes[0].material].baseColour, glm::vec3(0.5f, 0.25f, 1)) << before;
+        EXPECT_EQ(countTriangles(squareWith(folder, before)), 2) << "no material at all: " << before;
+    }
+    writeFile(folder / "b.obj", "mtllib B.TXT\nv 0 0 0\nv 2 0 0\nv 2 1 0\nf 1 2 3\n");
+    writeFile(folder / "B.TXT", "Kd 1 0 0\n");
+    EXPECT_EQ(countTriangles(readPolygons(folder / "b.obj")), 1) << "files of materials may be called anything";
+}
+
 TEST(Polygons, AnObjWithItsMaterials) {
     const ScratchFolder folder;
     writePicture(folder / "p.png");
