@@ -107,8 +107,8 @@ class Canvas {
 std::vector<render::EyeImage> drawOnce(render::Renderer& renderer, std::span<const scene::View> eyeViews,
                                        const render::Quality& quality, const render::Overlay& overlay,
                                        FrameReport& report) {
-    const auto start = std::chrono::steady_clock::now();
     renderer.forgetWays();
+    const auto start = std::chrono::steady_clock::now();
     renderer.draw(eyeViews, quality, {}, &overlay);
     const render::FrameStats stats = renderer.finish();
     const std::chrono::duration<double, std::milli> passed = std::chrono::steady_clock::now() - start;

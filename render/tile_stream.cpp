@@ -6,6 +6,8 @@
 #include "render/device.h"
 #include "scene/tile_chunks.h"
 
+#include <glm/geometric.hpp>
+
 #include <algorithm>
 #include <cstring>
 #include <utility>
@@ -24,6 +26,8 @@ constexpr double kFillShare = 0.85;
 
 /// What is asked for where there is room, but in pieces too small.
 constexpr std::uint64_t kAnother = 4 * scene::kChunkBytes / kTexelBytes;
+
+constexpr double kStepMetres = 0.5;
 
 constexpr std::size_t kStagingBytes = std::size_t{8} << 20; ///< copied within one frame at most
 
@@ -269,9 +273,13 @@ void TileStream::findWays(const Wish& wish) {
     std::vector<glm::dvec3> eyes;
     for (const scene::View& eye : wish.eyes)
         eyes.push_back(eye.worldFromEye.translation);
-    // Eyes beside something unseen may see anything. That does for their pictures; what is fetched first need not
-    // change with each such step.
-    if (scene::OpenWays::standClear(*grid_, eyes)) ways_.standAt(*grid_, eyes);
+    if (scene::OpenWays::standClear(*grid_, eyes)) {
+        ways_.standAt(*grid_, eyes);
+        stoodClear_ = eyes.front();
+    } else if (glm::distance(eyes.front(), stoodClear_) > kStepMetres) {
+        // Eyes beside something unseen may see anything. A step aside need not change what is fetched first.
+        ways_.forget();
+    }
 }
 
 TileStream::Choice TileStream::choose(const Wish& wish) {

@@ -113,6 +113,7 @@ class TileStream {
     std::vector<RangeAllocator> free_;
     std::optional<scene::OpenGrid> grid_; ///< of the coverage of the last wish, if it was of any
     scene::OpenWays ways_;
+    glm::dvec3 stoodClear_{0};      ///< where the first eye was when they were last known
     std::uint64_t waysFor_ = 0;     ///< number of the last wish for which they were found anew whatever they were
     std::uint64_t startedOver_ = 0; ///< number of the last wish for which all was thrown away
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cstdint>
 #include <fstream>
 #include <sstream>
@@ -69,7 +70,14 @@ void checkPlyCounts(const std::filesystem::path& path) {
             elements.back().bytes += isText ? kDigitAndBlank : bytesOfPlyType(type);
         }
     }
-    if (!isWhole) return;
+    if (!isWhole) {
+        std::string magic = head.substr(0, 3);
+        std::transform(magic.begin(), magic.end(), magic.begin(),
+                       [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+        if (magic != "ply") return;
+        // Assimp would look for it for ever.
+        throw Failure("has a header without an end", path, "it is cut off or damaged: copy or export it again");
+    }
     const std::uint64_t fileBytes = std::filesystem::file_size(path);
     std::uint64_t left = fileBytes - std::min(fileBytes, headerBytes);
     if (isText) ++left; // the last line need not end

@@ -10,13 +10,24 @@ namespace scene {
 
 namespace {
 
-/// Where a file of materials first names one; its end if it never does.
+/// Where a file of materials first names one, as Assimp knows it: by a line whose first word begins so. The file's end
+/// if it never does.
 std::size_t firstMaterialIn(const std::filesystem::path& path, std::size_t size) {
     std::ifstream file(path, std::ios::binary);
-    std::string line;
-    for (std::size_t at = 0; std::getline(file, line); at += line.size() + 1) {
-        const std::size_t word = line.find_first_not_of(" \t");
-        if (word != std::string::npos && line.compare(word, 6, "newmtl") == 0) return std::min(at, size);
+    std::string head(3, '\0');
+    file.read(head.data(), 3);
+    head.resize(static_cast<std::size_t>(file.gcount()));
+    if (head.starts_with("\xff\xfe") || head.starts_with("\xfe\xff")) return 0; // of wider characters
+    const std::size_t first = head == "\xef\xbb\xbf" ? 3 : 0;
+    file.clear();
+    file.seekg(static_cast<std::streamoff>(first));
+    bool isAtFirstWord = true;
+    for (std::size_t at = first; at < size; ++at) {
+        const int c = file.get();
+        if (c == '\n' || c == '\r') isAtFirstWord = true;
+        if (c == ' ' || c == '\t' || c == '\n' || c == '\r') continue;
+        if (isAtFirstWord && (c == 'n' || c == 'N') && file.peek() == 'e') return at;
+        isAtFirstWord = false;
     }
     return size;
 }
@@ -94,7 +105,8 @@ Assimp::IOStream* PolygonFiles::Open(const char* path, const char* mode) {
     // Files are opened again, to see what they are.
     if (std::find(opened_.begin(), opened_.end(), found) == opened_.end()) opened_.push_back(found);
     // An OBJ names its files of materials, whatever their extension; nothing else is opened with it.
-    std::string extension = opened_.front().extension().string();
+    if (opened_.size() == 1) extension_ = std::filesystem::path(path).extension().string();
+    std::string extension = extension_;
     std::transform(extension.begin(), extension.end(), extension.begin(),
                    [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
     return new FileStream(found, extension == ".obj" && found != opened_.front(), streams_);

@@ -35,6 +35,7 @@ class PolygonFiles : public Assimp::IOSystem {
     std::filesystem::path folder_;
     std::set<Assimp::IOStream*> streams_; ///< that are open: Assimp closes some, deletes others, and forgets the rest
     std::vector<std::filesystem::path> opened_;
+    std::string extension_; ///< of the first, by the name that it was asked for
     std::vector<std::string> refused_;
 };
 

@@ -48,14 +48,15 @@ std::vector<scene::TileBlock> manyTimes(const scene::Scene& scene, int across, i
 /// the others.
 struct PartedSite {
     PartedSite(const Device& device, const scene::Scene& part, int across, int deep)
-        : blocks(blocksOf(part, across, deep)), scene(device, blocks, {.budgetBytes = std::size_t{128} << 20}),
-          coverage(device, coverageOf(part, across, deep)), renderer(device, scene, 640, 480, 2, &coverage) {}
+        : blocks(blocksOf(part, across, deep)), coverage(device, coverageOf(part, across, deep)),
+          scene(device, blocks, {.budgetBytes = std::size_t{128} << 20}),
+          renderer(device, scene, 640, 480, 2, &coverage) {}
     void settle(std::span<const scene::View> views, const Quality& quality) {
         scene.settle(views, quality, &coverage.openGrid().coverage());
     }
     std::vector<scene::TileBlock> blocks;
-    GpuScene scene;
     GpuCoverage coverage;
+    GpuScene scene;
     Renderer renderer;
     std::vector<double> milliseconds;
     static constexpr std::array<std::array<int, 2>, 3> kSizes{{{1, 1}, {5, 2}, {10, 10}}};

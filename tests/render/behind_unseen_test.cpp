@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <functional>
 #include <memory>
 #include <numbers>
@@ -226,6 +227,25 @@ TEST_F(BehindUnseen, TheStreamHasRoomForOnesOwnRoom) {
         hidden.showUnseen = false;
         part->settle({&eye, 1}, hidden, &rooms_.coverage);
         EXPECT_GT(missingOf(*part), 0u) << "where the unseen is not shown it hides nothing";
+        // Over there, right before a wall, nothing is known of what can be seen: not what could be seen from here.
+        scene::View beside = elsewhere;
+        while (scene::OpenWays::standClear(coverage_.openGrid(), std::array{beside.worldFromEye.translation}))
+            beside.worldFromEye.translation.y += 0.05;
+        const auto thereOfOther = [&] {
+            std::size_t there = 0;
+            for (std::size_t i = 0; i < part->places().size(); ++i)
+                there += part->index().chunks[i].captured >= blocks.size() / 2 && part->places()[i].isThere() ? 1 : 0;
+            return there;
+        };
+        part->settle({&beside, 1}, {});
+        const std::size_t expected = thereOfOther();
+        part->settle({&eye, 1}, {}, &rooms_.coverage);
+        const auto patience = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+        part->follow({&eye, 1}, {}, &rooms_.coverage);
+        EXPECT_LT(thereOfOther(), expected) << "else this tests nothing";
+        while (thereOfOther() < expected && std::chrono::steady_clock::now() < patience)
+            part->follow({&beside, 1}, {}, &rooms_.coverage);
+        EXPECT_GE(thereOfOther(), expected);
     }
 }
 

@@ -50,6 +50,11 @@ TEST(Polygons, WhatStandsBeforeTheFirstMaterialBelongsToNone) {
         EXPECT_EQ(scene.materials[scene.meshes[0].material].baseColour, glm::vec3(0.5f, 0.25f, 1)) << before;
         EXPECT_EQ(countTriangles(squareWith(folder, before)), 2) << "no material at all: " << before;
     }
+    for (const std::string named :
+         {"\xef\xbb\xbfnewmtl m\n", "# of old\rnewmtl m\r", " newmtl m\n", "\t newmtl m\r\n"}) {
+        const PolygonScene scene = squareWith(folder, named + "Kd 0.5 0.25 1\n");
+        EXPECT_EQ(scene.materials[scene.meshes[0].material].baseColour, glm::vec3(0.5f, 0.25f, 1)) << named;
+    }
     writeFile(folder / "b.obj", "mtllib B.TXT\nv 0 0 0\nv 2 0 0\nv 2 1 0\nf 1 2 3\n");
     writeFile(folder / "B.TXT", "Kd 1 0 0\n");
     EXPECT_EQ(countTriangles(readPolygons(folder / "b.obj")), 1) << "files of materials may be called anything";
@@ -169,6 +174,22 @@ TEST(Polygons, APlyIsReadIfItIsAsLongAsItClaims) {
             EXPECT_THAT(failureOf<Failure>([&] { readPolygons(path); }), HasSubstr("for which it is too short")) << to;
         }
     }
+}
+
+// Assimp looks for the end of such a header for ever.
+TEST(Polygons, APlyWhoseHeaderHasNoEndIsRefused) {
+    const ScratchFolder folder;
+    const std::filesystem::path path = folder / "a.ply";
+    const std::string whole = std::string("ply\nformat ascii 1.0\n") + kPlyHeader + "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+    for (const std::string instead :
+         {"end_hea", "end_headers\n", "property int x end_header\n", "comment end_header\n"}) {
+        std::string damaged = whole;
+        damaged.replace(damaged.find("end_header\n"), 11, instead);
+        writeFile(path, damaged);
+        EXPECT_THAT(failureOf<Failure>([&] { readPolygons(path); }), HasSubstr("header without an end")) << instead;
+    }
+    writeFile(path, whole.substr(0, whole.find("end_header")) + "  " + whole.substr(whole.find("end_header")));
+    EXPECT_EQ(countTriangles(readPolygons(path)), 1);
 }
 
 /// One square in three nodes: where it is, moved, and moved and mirrored; cut out at 0.3.
