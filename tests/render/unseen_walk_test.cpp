@@ -203,13 +203,18 @@ TEST(UnseenWalk, IsThatOfRaysAtAFlatSite) {
     expectToBeThatOfRays(farSite(3, 7, 0.08), 0.5 * (kFarLeast + kFarMost), 1.6 / 64);
 }
 
-TEST(UnseenWalk, AnEyeInThePocketLooksThroughIt) {
+/// A cube of 4 m, unseen where x < 1 and where x > 3.
+scene::Coverage openBetweenOneAndThree() {
     scene::Coverage coverage;
     coverage.edgeMetres = 4;
     coverage.nodes.resize(1);
     for (int bit = 0; bit < 64; ++bit)
-        if (bit % 4 == 0 || bit % 4 == 3) coverage.nodes[0].unseen |= scene::coverageMask(bit); // x < 1 and x > 3
-    const Texels texels(coverage);
+        if (bit % 4 == 0 || bit % 4 == 3) coverage.nodes[0].unseen |= scene::coverageMask(bit);
+    return coverage;
+}
+
+TEST(UnseenWalk, AnEyeInThePocketLooksThroughIt) {
+    const Texels texels(openBetweenOneAndThree());
     const auto walk = [&](double x, float pocket, float end) {
         return walkToUnseen(texels, vec3(static_cast<float>(x) / 4, 0.6f, 0.6f), vec3(0.25f, 0.001f, 0.002f), pocket,
                             end, vec2(0.0f));
@@ -230,12 +235,7 @@ TEST(UnseenWalk, AnEyeInThePocketLooksThroughIt) {
 }
 
 TEST(UnseenWalk, WhatIsDrawnWithinAnOpenStretchHidesWhatIsBehindIt) {
-    scene::Coverage coverage;
-    coverage.edgeMetres = 4;
-    coverage.nodes.resize(1);
-    for (int bit = 0; bit < 64; ++bit)
-        if (bit % 4 == 0 || bit % 4 == 3) coverage.nodes[0].unseen |= scene::coverageMask(bit); // x < 1 and x > 3
-    const Texels texels(coverage);
+    const Texels texels(openBetweenOneAndThree());
     const vec3 eye(0.225f, 0.6f, 0.6f), ahead(0.25f, 0.001f, 0.002f), aside(0.0f, 1e-4f, 0.0f), down(0.0f, 0.0f, 1e-4f);
     const vec2 open = openStretch(texels, eye, ahead, aside, down, kRayInfinity);
     EXPECT_NEAR(open.x, 0.12f, 0.02f) << "behind what the eye stands in";
