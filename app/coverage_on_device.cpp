@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <limits>
 #include <string>
 #include <vector>
 
@@ -18,7 +17,6 @@ namespace {
 
 /// Of fewer levels the tree takes no less: they are the grid of voxels.
 constexpr int kFewestLevels = render::kLeastVoxelLevel;
-constexpr std::size_t kNoBytes = std::numeric_limits<std::size_t>::max(); ///< are too many
 
 std::string millimetresOf(double metres) {
     char text[32];
@@ -38,19 +36,22 @@ void sayIsCoarser(const scene::Coverage& coverage, const CoverageForm& form) {
 } // namespace
 
 CoverageForm formOf(const scene::Coverage& coverage, std::size_t mostTexels, const CoverageWish& wish) {
-    const std::vector<std::size_t> bytes = render::coverageBytesByLevels(coverage);
-    CoverageForm form{.wished = static_cast<int>(bytes.size()) - 1};
+    const std::vector<render::CoverageSize> sizes = render::coverageSizesByLevels(coverage);
+    CoverageForm form{.wished = static_cast<int>(sizes.size()) - 1};
     while (form.wished > 1 && scene::cellOfLevels(coverage, form.wished) < wish.leastCellMetres)
         --form.wished;
-    const std::size_t readable =
-        mostTexels < kNoBytes / sizeof(render::CoveragePair) ? mostTexels * sizeof(render::CoveragePair) : kNoBytes;
-    const auto bytesNow = [&] { return bytes[static_cast<std::size_t>(form.levels)]; };
-    form.levels = form.wished;
-    while (form.levels > kFewestLevels && bytesNow() > std::min(wish.mostBytes, readable))
-        --form.levels;
-    form.bytes = bytesNow();
+    const auto finest = [&](const auto& isTooLarge) {
+        int levels = form.wished;
+        while (levels > kFewestLevels && isTooLarge(sizes[static_cast<std::size_t>(levels)]))
+            --levels;
+        return levels;
+    };
+    const int readable = finest([&](const render::CoverageSize& size) { return size.mostTexels() > mostTexels; });
+    const int affordable = finest([&](const render::CoverageSize& size) { return size.bytes() > wish.mostBytes; });
+    form.levels = std::min(readable, affordable);
+    form.bytes = sizes[static_cast<std::size_t>(form.levels)].bytes();
     if (form.levels < form.wished)
-        form.why = readable < wish.mostBytes ? "the device's shaders read no larger buffer" : wish.whyNoMore;
+        form.why = readable < affordable ? "the device's shaders read no larger buffer" : wish.whyNoMore;
     return form;
 }
 

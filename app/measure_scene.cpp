@@ -152,6 +152,7 @@ std::vector<render::EyeImage> compare(const std::vector<TruthSource>& truths, co
         const scene::View view{camera, source.view.worldFromCamera};
         for (std::size_t i = 0; i < measured.size(); ++i) {
             on.prepare({&view, 1}, plan.settings[i].quality);
+            renderer->forgetWays(); // or what is hidden would hang on the photograph before
             renderer->draw({&view, 1}, plan.settings[i].quality);
             const std::vector<render::EyeImage> drawn = renderer->readBack();
             measured[i].pictures.push_back({source.view.name, errorOf(drawn[0], truth)});

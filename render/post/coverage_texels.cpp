@@ -310,12 +310,12 @@ CoverageTexels coverageTexels(const scene::Coverage& coverage) {
     return all;
 }
 
-std::vector<std::size_t> coverageBytesByLevels(const scene::Coverage& coverage) {
+std::vector<CoverageSize> coverageSizesByLevels(const scene::Coverage& coverage) {
     const Tree tree(coverage);
     const std::vector<std::size_t> firsts = scene::firstNodesOf(coverage);
     const int all = static_cast<int>(firsts.size()) - 1;
     const Box exact = boxOf(all, ObservedBounds(tree));
-    std::vector<std::size_t> bytes{0};
+    std::vector<CoverageSize> sizes(1);
     for (int levels = 1; levels <= all; ++levels) {
         // Which box it is once it is coarsened is not known: within this one, perhaps of finer voxels.
         const Box whole = boxOf(levels, ObservedBounds(tree, levels));
@@ -327,9 +327,9 @@ std::vector<std::size_t> coverageBytesByLevels(const scene::Coverage& coverage) 
             for (std::size_t i = firsts[static_cast<std::size_t>(level)];
                  i < firsts[static_cast<std::size_t>(level) + 1]; ++i)
                 nodes += tree.hasUnseen[i];
-        bytes.push_back(2 * voxels + 3 * sizeof(CoveragePair) * nodes);
+        sizes.push_back({2 * (voxels / kVoxelsPerWord), nodes});
     }
-    return bytes;
+    return sizes;
 }
 
 } // namespace render

@@ -5,6 +5,7 @@
 #include "render/shaders/shared/unseen.h"
 #include "scene/coverage.h"
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -40,8 +41,16 @@ struct CoverageTexels {
 /// The same on any number of threads.
 CoverageTexels coverageTexels(const scene::Coverage& coverage);
 
-/// How many bytes that takes at most, of the coverage coarsened to so many levels (scene/coverage_levels.h), by levels:
-/// from 0, of which there is none, to all it has, of which it is exact.
-std::vector<std::size_t> coverageBytesByLevels(const scene::Coverage& coverage);
+/// How much the words and the tree below them take.
+struct CoverageSize {
+    std::size_t words = 0, nodes = 0;
+    std::size_t bytes() const { return sizeof(std::uint32_t) * words + 3 * sizeof(CoveragePair) * nodes; }
+    /// Of the largest of the buffers.
+    std::size_t mostTexels() const { return std::max(words, 2 * nodes); }
+};
+
+/// That at most, of the coverage coarsened to so many levels (scene/coverage_levels.h), by levels: from 0, of which
+/// there is none, to all it has, of which it is exact.
+std::vector<CoverageSize> coverageSizesByLevels(const scene::Coverage& coverage);
 
 } // namespace render

@@ -3,6 +3,7 @@
 #include "app/notes.h"
 
 #include "scene/errors.h"
+#include "tests/repetitions.h"
 #include "tests/scene/scratch_folder.h"
 
 #include <cmath>
@@ -192,7 +193,7 @@ TEST_F(NotesOnDisk, WhoReadsMeanwhileSeesAllOrNothing) {
     const pid_t writer = fork();
     if (writer == 0) {
         NotesFile file(scratch_.path());
-        for (int i = 0; i < 300; ++i) {
+        for (int i = 0; i < tests::repetitions(300); ++i) {
             Noting noting;
             for (int k = 0; k < (i * 37) % 100; ++k)
                 noting = press(noting, NoteMode::points, at(k, i, 0), kTime);

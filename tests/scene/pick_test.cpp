@@ -3,6 +3,7 @@
 #include "scene/pick.h"
 
 #include "scene/refine/skins.h"
+#include "tests/repetitions.h"
 #include "tests/scene/known_scenes.h"
 
 #include <cmath>
@@ -60,7 +61,7 @@ TEST(Pick, HitsWhereTheSurfaceIs) {
     std::uniform_real_distribution<double> unit(-1, 1);
     int rays = 0, near = 0, right = 0, flat = 0;
     double worst = 0;
-    for (int i = 0; i < 400; ++i) {
+    for (int i = 0; i < tests::repetitions(400); ++i) {
         const glm::dvec3 from(3 + 2 * unit(random), 2.5 + 1.5 * unit(random), 1.2 + 0.6 * unit(random));
         const glm::dvec3 direction(unit(random), unit(random), 0.4 * unit(random));
         const auto truth = castRay(bareRoom(), from, direction);
@@ -83,7 +84,7 @@ TEST(Pick, HitsWhereTheSurfaceIs) {
         EXPECT_LT(glm::dot(*hit->normal, direction), 0) << "towards the ray's origin";
         flat += degreesBetween(*hit->normal, truth->normal) < 3;
     }
-    EXPECT_GT(rays, 250);
+    EXPECT_GT(rays, tests::repetitions(250));
     EXPECT_GE(near, 0.95 * rays);
     EXPECT_GE(right, 0.97 * near) << "worst " << worst;
     EXPECT_GE(flat, 0.97 * near);

@@ -1,7 +1,9 @@
 #include "scene/refine/contradiction.h"
 
+#include "tests/repetitions.h"
 #include "tests/scene/known_scenes.h"
 
+#include <array>
 #include <set>
 
 #include <gtest/gtest.h>
@@ -41,16 +43,18 @@ TEST(Contradiction, RightImagesHaveNone) {
 
 TEST(Contradiction, TheOneImageWhosePoseIsWrongIsNamedAndNoOther) {
     const std::vector<DepthImage> right = imagesOfBareRoom(kImages);
-    for (const std::size_t wrong : {std::size_t{0}, std::size_t{4}, std::size_t{7}})
-        for (const glm::dvec3 along : {glm::dvec3{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 0, -1}}) {
-            std::vector<DepthImage> images = right;
-            Pose& pose = images[wrong].worldFromCamera;
-            pose.translation += pose.rotation * (0.7 * along);
-            const std::vector<Contradiction> found = findContradictions(figuresOf(images));
-            ASSERT_EQ(found.size(), 1u) << "image " << wrong << " along " << along.x << " " << along.y << " "
-                                        << along.z;
-            EXPECT_EQ(found.front().image, wrong);
-        }
+    constexpr std::array<std::size_t, 3> kWrong{0, 4, 7};
+    constexpr std::array<glm::dvec3, 4> kAlong{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 0, -1}}};
+    for (std::size_t i = 0; i < std::size_t{tests::repetitions(kWrong.size() * kAlong.size())}; ++i) {
+        const std::size_t wrong = kWrong[i / kAlong.size()];
+        const glm::dvec3& along = kAlong[i % kAlong.size()];
+        std::vector<DepthImage> images = right;
+        Pose& pose = images[wrong].worldFromCamera;
+        pose.translation += pose.rotation * (0.7 * along);
+        const std::vector<Contradiction> found = findContradictions(figuresOf(images));
+        ASSERT_EQ(found.size(), 1u) << "image " << wrong << " along " << along.x << " " << along.y << " " << along.z;
+        EXPECT_EQ(found.front().image, wrong);
+    }
 }
 
 TEST(Contradiction, RangeInOtherUnitsThanTheRestIsNamed) {

@@ -91,7 +91,7 @@ void expectAgrees(const Coverage& coverage, const std::vector<DepthImage>& image
         return p;
     };
     int seen = 0, unseen = 0, surfaces = 0;
-    for (int i = 0; i < 40000; ++i) {
+    for (int i = 0; i < tests::repetitions(40000); ++i) {
         const glm::dvec3 p = coverage.cornerInWorld + coverage.edgeMetres * uniform();
         const bool observed = isObservedAt(images, p, 0, 0, 1);
         const std::optional<CoverageCell> cell = cellAt(coverage, p);
@@ -107,9 +107,9 @@ void expectAgrees(const Coverage& coverage, const std::vector<DepthImage>& image
         ++(observed ? seen : unseen);
         ASSERT_EQ(kept, observed ? Observed::empty : Observed::unseen) << p.x << " " << p.y << " " << p.z;
     }
-    EXPECT_GT(surfaces, 32);
-    EXPECT_GT(seen, 500);
-    EXPECT_GT(unseen, 500);
+    EXPECT_GT(surfaces, tests::repetitions(32));
+    EXPECT_GT(seen, tests::repetitions(500));
+    EXPECT_GT(unseen, tests::repetitions(500));
 }
 
 /// As the stages before leave them: silhouettes marked.

@@ -2,6 +2,7 @@
 
 #include "scene/refine/silhouettes.h"
 
+#include "tests/repetitions.h"
 #include "tests/scene/known_scenes.h"
 
 #include <algorithm>
@@ -24,7 +25,7 @@ std::vector<DepthImage> nearbyImages() {
     for (int j = 0; j < kDown; ++j)
         for (int i = 0; i < kAcross; ++i) {
             const glm::dvec3 eye(1.2 + 0.1 * i, 1.0, 1.5 + 0.1 * j);
-            images.push_back(renderTruth(room, viewFrom(eye, {2.6, 2.4, 0.6}, camera), 4));
+            images.push_back(renderTruth(room, viewFrom(eye, {2.6, 2.4, 0.6}, camera), tests::repetitions(4)));
             images.back().name = std::to_string(images.size() - 1);
         }
     return images;
