@@ -223,6 +223,7 @@ ImportedImages importImages(scene::Capture& capture, const std::vector<std::size
         const std::filesystem::path& folder = ofScan[i];
         imported.images.insert(imported.images.end(), own.images.begin(), own.images.end());
         const json points = readJson(folder / "points.json");
+        const std::size_t firstFace = imported.images.size();
         for (const json& name : points.at("faces"))
             imported.images.push_back(storedImage(folder / (name.get<std::string>() + ".tiff")));
         imported.scanPoints.points += points.at("points").get<std::int64_t>();
@@ -236,6 +237,7 @@ ImportedImages importImages(scene::Capture& capture, const std::vector<std::size
             imported.emptyScans.push_back(scan.name);
             continue;
         }
+        imported.scans.push_back({scan.name, firstFace, imported.images.size() - firstFace});
         const double rays = static_cast<double>(scan.rows) * static_cast<double>(scan.columns);
         const double sky = points.at("sky_share").get<double>();
         const double without = rays > 0 ? 1 - points.at("points").get<double>() / rays - sky : 0;

@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <functional>
 #include <iterator>
+#include <utility>
 
 namespace app {
 
@@ -18,7 +19,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr int kRefineVersion = 11, kTilesVersion = 5, kCoverageVersion = 3;
+constexpr int kRefineVersion = 12, kTilesVersion = 5, kCoverageVersion = 3;
 
 json describe(const scene::ComparisonOptions& o) {
     return {o.sameSurface, o.pixelError};
@@ -53,14 +54,15 @@ scene::Image<scene::Keep> readKept(const std::filesystem::path& file, const scen
 json describe(const scene::SkinFigures& f) {
     json words = json::array();
     for (const scene::PartnerWord& word : f.words)
-        words.push_back({word.image, word.agrees, word.sawThrough});
-    return {f.samples, f.triangles, f.planarSkins, f.seenThrough, f.floating, f.guesses, f.confirmed, f.refuted, words};
+        words.push_back({word.image, word.agrees, word.sawThrough, word.apartMetres});
+    return {f.samples, f.triangles, f.planarSkins, f.seenThrough, f.floating,
+            f.guesses, f.confirmed, f.refuted,     words,         f.floatingInside};
 }
 
 scene::SkinFigures skinFiguresOf(const json& f, std::size_t images, const std::filesystem::path& file) {
-    scene::SkinFigures figures{f.at(0), f.at(1), f.at(2), f.at(3), f.at(4), f.at(5), f.at(6), f.at(7), {}};
+    scene::SkinFigures figures{f.at(0), f.at(1), f.at(2), f.at(3), f.at(4), f.at(9), f.at(5), f.at(6), f.at(7), {}};
     for (const json& word : f.at(8)) {
-        figures.words.push_back({word.at(0), word.at(1), word.at(2)});
+        figures.words.push_back({word.at(0), word.at(1), word.at(2), word.at(3)});
         if (figures.words.back().image >= images)
             throw scene::Failure("is damaged", file, "remove the folder it is in and build again");
     }
@@ -123,10 +125,12 @@ SkinStage markSkins(const ImportedImages& imported, const Overlaps& overlaps, co
     for (const scene::SkinFigures& f : figures) {
         stage.figures.samples += f.samples, stage.figures.triangles += f.triangles;
         stage.figures.planarSkins += f.planarSkins, stage.figures.seenThrough += f.seenThrough;
-        stage.figures.floating += f.floating, stage.figures.guesses += f.guesses;
+        stage.figures.floating += f.floating, stage.figures.floatingInside += f.floatingInside;
+        stage.figures.guesses += f.guesses;
         stage.figures.confirmed += f.confirmed, stage.figures.refuted += f.refuted;
     }
     stage.contradictions = scene::findContradictions(figures);
+    stage.ofImages = std::move(figures);
     return stage;
 }
 

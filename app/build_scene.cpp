@@ -3,6 +3,7 @@
 #include "app/build_stages.h"
 #include "app/progress.h"
 #include "app/say.h"
+#include "app/scan_agreement.h"
 #include "app/scene_folder.h"
 #include "scene/align/scanner_file.h"
 #include "scene/errors.h"
@@ -171,6 +172,10 @@ void runStages(scene::Capture& capture, const scene::HeldOut& heldOut, const Bui
         tell(capture, "Scan '" + scan + "' holds no point with range: nothing of it is in the scene.");
     sayIfContradictory(skins.figures, options, capture);
     sayWhichStandAlone(overlaps, skins, capture);
+    const ScanAgreement agreement = scanAgreement(imported.scans, skins.ofImages);
+    for (const std::string& remark : remarksOn(agreement, imported.scans, !options.movesScans()))
+        tell(capture, remark);
+    reports.scanAgreement = describe(agreement, imported.scans);
     const KeepStage kept = keepBest(imported, overlaps, skins, options, store);
     const TileStage tiles = fuseAndCut(imported, overlaps, skins, kept, options, store);
     const CoverageStage coverage = coverSpace(skins, options, store);

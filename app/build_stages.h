@@ -60,8 +60,15 @@ nlohmann::json adjustPoses(scene::Capture& capture, const std::vector<std::size_
 /// A pose that a stage wrote into its file. Throws scene::Failure if it is none.
 scene::Pose poseOf(const nlohmann::json& rows, const std::filesystem::path& file);
 
+/// The faces of a scan, among images.
+struct ScanFaces {
+    std::string name;
+    std::size_t first = 0, count = 0;
+};
+
 struct ImportedImages {
     std::vector<scene::StoredImage> images;
+    std::vector<ScanFaces> scans; ///< those that hold anything
     std::string key;
     scene::CubeFaceReport scanPoints;    ///< summed over the scans
     std::vector<std::string> emptyScans; ///< names of those without a point
@@ -93,6 +100,7 @@ Overlaps findOverlaps(const ImportedImages& imported, const BuildOptions& option
 struct SkinStage {
     std::vector<scene::StoredImage> images; ///< as imported, with the new flags
     scene::SkinFigures figures;             ///< summed over the images
+    std::vector<scene::SkinFigures> ofImages;
     std::vector<scene::Contradiction> contradictions;
     std::string key;
 };
@@ -141,7 +149,7 @@ CoverageStage coverSpace(const SkinStage& skins, const BuildOptions& options, St
 
 /// What stages have to say to scene.json and info; null where one did nothing.
 struct BuildReports {
-    nlohmann::json registration, poses, evening, photographEvening, silhouettes;
+    nlohmann::json registration, scanAgreement, poses, evening, photographEvening, silhouettes;
 };
 
 /// The scene folder, under a temporary name until it is whole.

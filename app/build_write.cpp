@@ -237,6 +237,7 @@ void writeScene(const std::filesystem::path& output, const scene::Capture& captu
                       {"walk_from_world", scene::rowMajor({})},
                       {"polygons", describePolygons(imported.polygons, options)},
                       {"registration", reports.registration},
+                      {"scan_agreement", reports.scanAgreement},
                       {"poses", reports.poses},
                       {"colour_evening", reports.evening},
                       {"contradictions", contradictions},

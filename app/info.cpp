@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <cstdio>
+#include <iterator>
 #include <optional>
 #include <set>
 #include <string>
@@ -103,6 +104,25 @@ void printRegistration(const json& registration) {
     }
 }
 
+/// How far apart scans have what they both show.
+void printScanAgreement(const json& agreement) {
+    if (agreement.is_null() || agreement.at("pairs").empty()) return;
+    std::vector<double> apart;
+    for (const json& pair : agreement.at("pairs"))
+        apart.push_back(pair.at("apart_m"));
+    const auto middle = apart.begin() + std::ssize(apart) / 2;
+    std::nth_element(apart.begin(), middle, apart.end());
+    const json& pairs = agreement.at("pairs");
+    const auto& worst = *std::max_element(pairs.begin(), pairs.end(), [](const json& a, const json& b) {
+        return a.at("apart_m").get<double>() < b.at("apart_m").get<double>();
+    });
+    std::printf(
+        "  scans      where two show the same surfaces they have them %.1f mm apart (median of %zu pairs, along "
+        "rays); farthest apart %s and %s: %.1f mm\n",
+        1e3 * *middle, apart.size(), shown(worst.at("a")).c_str(), shown(worst.at("b")).c_str(),
+        1e3 * worst.at("apart_m").get<double>());
+}
+
 /// What became of the poses that photographs were given.
 void printPoses(const json& poses) {
     if (poses.is_null()) return;
@@ -197,6 +217,7 @@ void printText(const scene::Scene& scene, const json& info, const Extent& extent
         std::printf("  scans      %.0f points, %.0f held, %.0f dropped\n", number("scan_points"),
                     number("scan_points_held"), number("scan_points_dropped"));
     printRegistration(info.value("registration", json()));
+    printScanAgreement(info.value("scan_agreement", json()));
     printPoses(info.value("poses", json()));
     printEvening("photos", info.value("photograph_evening", json()));
     printEvening("colours", info.value("colour_evening", json()));

@@ -1,13 +1,13 @@
 #include "scene/refine/fusion.h"
 
 #include "scene/density.h"
+#include "scene/refine/crossing.h"
 #include "scene/sample_comparison.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include <glm/geometric.hpp>
-#include <glm/vec2.hpp>
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -45,32 +45,6 @@ bool isMeasuredAbout(const DepthImage& image, int x, int y, float sameSurface) {
     return false;
 }
 
-/// By how much the disparity of a smooth surface changes from one pixel to the next, across and down, about where it is
-/// sighted: over three pixels where the surface goes on so far, since between neighbours noise makes slopes of its own.
-glm::vec2 slopesAt(const DepthImage& partner, const Sighting& at, float sameSurface) {
-    // The first of the four about it; at the image's rim those beside them. An image may be one pixel wide.
-    const int lastX = partner.camera.width - 1, lastY = partner.camera.height - 1;
-    const int x = std::clamp(static_cast<int>(at.u - 0.5f), 0, std::max(lastX - 1, 0));
-    const int y = std::clamp(static_cast<int>(at.v - 0.5f), 0, std::max(lastY - 1, 0));
-    const int nextX = std::min(x + 1, lastX), nextY = std::min(y + 1, lastY);
-    const int left = std::max(x - 1, 0), right = std::min(x + 2, lastX), top = std::max(y - 1, 0),
-              bottom = std::min(y + 2, lastY);
-    const auto& d = partner.disparity;
-    const auto across = [&](int from, int to) {
-        return (d(to, y) - d(from, y) + d(to, nextY) - d(from, nextY)) / static_cast<float>(2 * std::max(to - from, 1));
-    };
-    const auto down = [&](int from, int to) {
-        return (d(x, to) - d(x, from) + d(nextX, to) - d(nextX, from)) / static_cast<float>(2 * std::max(to - from, 1));
-    };
-    const glm::vec2 near(across(x, nextX), down(y, nextY)), wide(across(left, right), down(top, bottom));
-    const auto& f = partner.flags;
-    const bool goesOn = isSurface(f(left, y)) && isSurface(f(left, nextY)) && isSurface(f(right, y)) &&
-                        isSurface(f(right, nextY)) && isSurface(f(x, top)) && isSurface(f(nextX, top)) &&
-                        isSurface(f(x, bottom)) && isSurface(f(nextX, bottom)) &&
-                        std::max(std::abs(wide.x - near.x), std::abs(wide.y - near.y)) < sameSurface * at.disparity;
-    return goesOn ? wide : near;
-}
-
 /// What a partner knows about the disparity of a sample of which it sees the same surface: where the sample's ray meets
 /// that surface, and how surely, as measurements count by the inverse of their variance (1: as surely as the sample's
 /// own image).
@@ -82,21 +56,15 @@ struct Evidence {
 /// changes while the sample moves along its ray, the ray runs along the surface, or along the partner's image plane, or
 /// the partner stands much farther off: then it says little. The same where the surface slopes steeply, since the
 /// partner's samples may be misplaced.
-Evidence evidenceOf(const DepthImage& partner, const Reprojection& into, float x, float y, float disparity,
-                    const Sighting& at, float partnerDisparity, const ComparisonOptions& options) {
-    const float start = into.origin.z + x * into.columnX.z + y * into.columnY.z;
-    const float w = start + disparity * into.columnD.z;
-    const glm::vec2 slopes = slopesAt(partner, at, options.sameSurface);
-    // By how much the sighting's disparity grows with the sample's, and the difference to a surface that slopes; both
-    // relative to themselves, so that the sky needs no special case.
-    const float upright = start / w;
-    const float change = upright - slopes.x * (into.columnD.x - at.u * into.columnD.z) -
-                         slopes.y * (into.columnD.y - at.v * into.columnD.z);
-    if (!(change > 0)) return {disparity, 0}; // it sees the other side of something thin
+Evidence evidenceOf(const Crossing& crossing, float disparity, const Sighting& at, float partnerDisparity,
+                    const ComparisonOptions& options) {
+    if (!crossing.isFromFront()) return {disparity, 0};
+    const float change = crossing.change, upright = crossing.upright;
     const float least = std::min(change * change, upright * upright);
-    const float steepness = std::max(std::abs(slopes.x), std::abs(slopes.y));
+    const float steepness = std::max(std::abs(crossing.slopes.x), std::abs(crossing.slopes.y));
     const float doubt = steepness > 0 ? options.pixelError * steepness / (options.sameSurface * at.disparity) : 0;
-    return {disparity + (partnerDisparity - at.disparity) * w / change, std::min(1.f, least / (1 + doubt * doubt))};
+    return {disparity + (partnerDisparity - at.disparity) * crossing.w / change,
+            std::min(1.f, least / (1 + doubt * doubt))};
 }
 
 std::uint8_t toByte(float value) {
@@ -150,6 +118,8 @@ DepthImage fuse(ImageStore& images, std::size_t index, const std::vector<Partner
             const float px = samples.x(k), py = samples.y(k), d = samples.disparity(k);
             const int x = static_cast<int>(px), y = static_cast<int>(py);
             const Sighting at = samples.sighting(k);
+            const Crossing crossing = crossingOf(partner, into, px, py, d, at, options.comparison.sameSurface);
+            if (crossing.isFromBehind()) return; // the other side of something thin
 
             // To the point, from here and from the partner; both times disparity, so that the sky needs no special
             // case.
@@ -162,8 +132,7 @@ DepthImage fuse(ImageStore& images, std::size_t index, const std::vector<Partner
             const float nearness = std::min(1.f, here / there);
 
             Mean& mean = means(x, y);
-            const Evidence evidence =
-                evidenceOf(partner, into, px, py, d, at, comparison.disparity, options.comparison);
+            const Evidence evidence = evidenceOf(crossing, d, at, comparison.disparity, options.comparison);
             // Beyond that it is another surface, or no number at all.
             if (std::abs(evidence.disparity - d) <= 2 * options.comparison.sameSurface * d) {
                 mean.disparity += evidence.surety * evidence.disparity;

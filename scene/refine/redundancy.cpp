@@ -1,6 +1,7 @@
 #include "scene/refine/redundancy.h"
 
 #include "scene/density.h"
+#include "scene/refine/crossing.h"
 
 #include <algorithm>
 #include <atomic>
@@ -105,7 +106,12 @@ bool isCovered(const KeptPartner& partner, const RivalSample& sample, const Comp
     if (isGuess(partner.image->flags(x, y)))
         return sample.isGuess &&
                std::abs(partner.image->disparity(x, y) - at.disparity) <= 2 * options.sameSurface * at.disparity;
-    return compareWith(*partner.image, at, options).relation == Relation::agrees;
+    const Comparison comparison = compareWith(*partner.image, at, options);
+    if (comparison.relation != Relation::agrees) return false;
+    // Of something thin each side is a surface of its own.
+    return !comparison.isSmooth ||
+           !crossingOf(*partner.image, partner.into, sample.x, sample.y, sample.disparity, at, options.sameSurface)
+                .isFromBehind();
 }
 
 /// Gives each sample of an image that nobody before it covers to the tier; ranked[first, last) are its tiles.

@@ -4,9 +4,9 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <bit>
 #include <cmath>
+#include <mutex>
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -143,6 +143,53 @@ void compareSamplesOfRow(const DepthImage& image, int y, const DepthImage& partn
     samples.compare(partner, into, options);
 }
 
+/// Floating samples about which, so many to each side, all others float as well.
+std::int64_t countInside(const Image<std::uint8_t>& flags) {
+    constexpr int kAbout = 3;
+    const auto isFloating = [&](int x, int y) { return (flags(x, y) & kFloating) != 0 && !isOpenSky(flags(x, y)); };
+    Image<std::uint8_t> run(flags.width(), flags.height(), 0); // of a row, up to here
+    std::int64_t inside = 0;
+    for (int y = 0; y < flags.height(); ++y) {
+        std::uint8_t length = 0;
+        for (int x = 0; x < flags.width(); ++x) {
+            length = isFloating(x, y) ? static_cast<std::uint8_t>(std::min(length + 1, 2 * kAbout + 1)) : 0;
+            run(x, y) = length;
+            bool isInside = y >= 2 * kAbout && length == 2 * kAbout + 1;
+            for (int above = 1; above <= 2 * kAbout && isInside; ++above)
+                isInside = run(x, y - above) == 2 * kAbout + 1;
+            inside += isInside;
+        }
+    }
+    return inside;
+}
+
+constexpr int kApartEvery = 4; ///< samples, across and down
+
+/// Of a sample that agrees; the sky is nowhere.
+void addApart(const SampleComparison& samples, int k, std::vector<float>& apartMetres) {
+    const Comparison comparison = samples.comparison(k);
+    const float seen = samples.sighting(k).disparity;
+    if (comparison.isSmooth && seen > 0 && comparison.disparity > 0)
+        apartMetres.push_back(std::abs(1 / seen - 1 / comparison.disparity));
+}
+
+/// What a partner says, gathered by many threads.
+struct Words {
+    std::int64_t agrees = 0, sawThrough = 0;
+    std::vector<float> apartMetres; ///< of some of those that agree
+
+    void add(const Words& other) {
+        agrees += other.agrees, sawThrough += other.sawThrough;
+        apartMetres.insert(apartMetres.end(), other.apartMetres.begin(), other.apartMetres.end());
+    }
+    double medianApartMetres() {
+        if (apartMetres.empty()) return 0;
+        const auto middle = apartMetres.begin() + std::ssize(apartMetres) / 2;
+        std::nth_element(apartMetres.begin(), middle, apartMetres.end());
+        return static_cast<double>(*middle);
+    }
+};
+
 /// A guess that others measured is a surface, one that they saw through is nothing.
 void judgeGuess(std::uint8_t& flags, bool isFloating, bool isMeasured, SkinFigures& figures) {
     if (isFloating) {
@@ -210,27 +257,33 @@ Image<std::uint8_t> markSkins(ImageStore& images, std::size_t index, const std::
         const ImageStore::Lease partnerLease = images.borrow(partners[i].image);
         const DepthImage& partner = *partnerLease;
         const Reprojection into = reprojectionInto(partner, image);
-        std::atomic<std::int64_t> agrees = 0, saw = 0;
+        std::mutex adding;
+        Words words;
         tbb::parallel_for(tbb::blocked_range<int>(0, image.camera.height), [&](const tbb::blocked_range<int>& rows) {
             SampleComparison samples(image.camera.width);
-            std::int64_t agreesHere = 0, sawHere = 0;
+            Words here;
             for (int y = rows.begin(); y < rows.end(); ++y) {
                 compareSamplesOfRow(image, y, partner, into, options.comparison, samples);
                 for (int k = 0; k < samples.count(); ++k) {
                     const Relation relation = samples.relation(k);
                     const int x = static_cast<int>(samples.x(k));
                     const int measured = isGuess(image.flags(x, y)) ? 0 : 1;
-                    if (relation == Relation::agrees) ++agreed(x, y), agreesHere += measured;
-                    if (relation == Relation::inFront) ++seenThrough(x, y), sawHere += measured;
+                    if (relation == Relation::agrees) {
+                        ++agreed(x, y), here.agrees += measured;
+                        if (measured != 0 && x % kApartEvery == 0 && y % kApartEvery == 0)
+                            addApart(samples, k, here.apartMetres);
+                    }
+                    if (relation == Relation::inFront) ++seenThrough(x, y), here.sawThrough += measured;
                 }
                 for (const SkinChoice& triangle : candidates[static_cast<std::size_t>(y)])
                     if (!(flags(triangle.x, y) & triangle.skin) &&
                         sawThrough(partner, into, image, triangle.x, y, *triangle.corners, options.comparison))
                         flags(triangle.x, y) = static_cast<std::uint8_t>(flags(triangle.x, y) | triangle.skin);
             }
-            agrees += agreesHere, saw += sawHere;
+            const std::lock_guard lock(adding);
+            words.add(here);
         });
-        figures.words.push_back({partners[i].image, agrees, saw});
+        figures.words.push_back({partners[i].image, words.agrees, words.sawThrough, words.medianApartMetres()});
     }
 
     std::int64_t cut = 0;
@@ -247,6 +300,7 @@ Image<std::uint8_t> markSkins(ImageStore& images, std::size_t index, const std::
             }
         }
     figures.seenThrough = cut - figures.planarSkins;
+    figures.floatingInside = countInside(flags);
     return flags;
 }
 

@@ -33,6 +33,9 @@ struct SkinOptions {
 struct PartnerWord {
     std::uint32_t image = 0; ///< the partner
     std::int64_t agrees = 0, sawThrough = 0;
+    /// Where they agree, how far along the partner's rays the sample and its own surface are apart: the median, metres;
+    /// of a sixteenth of the samples. What is farther apart than ComparisonOptions allow does not agree.
+    double apartMetres = 0;
 };
 
 struct SkinFigures {
@@ -40,6 +43,7 @@ struct SkinFigures {
     std::int64_t planarSkins = 0;            ///< triangles cut because disparity jumps
     std::int64_t seenThrough = 0;            ///< further triangles that another image saw through
     std::int64_t floating = 0;               ///< samples that more images saw through than agreed with
+    std::int64_t floatingInside = 0;         ///< those about which all are: of a thing, not of the rim of one
     std::int64_t guesses = 0;                ///< guesses of range that no other image speaks for or against
     std::int64_t confirmed = 0, refuted = 0; ///< guesses that others measured, resp. saw through
     std::vector<PartnerWord> words;          ///< of those asked, none that stand where the image does

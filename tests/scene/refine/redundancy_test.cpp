@@ -5,11 +5,13 @@
 #include "tests/scene/stored_images.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <random>
 #include <string>
 
 #include <glm/geometric.hpp>
+#include <glm/trigonometric.hpp>
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
@@ -81,6 +83,28 @@ std::vector<DepthImage> holedImages() {
                 if ((x * 7 + y * 3) % 53 == 0) image.flags(x, y) = kFloating;
             }
     return images;
+}
+
+TEST(Redundancy, BothSidesOfAThinBoardAreKept) {
+    // 10 cm thick, seen squarely and at a slant from 6 m on either side: each says as well where the other's side is.
+    const double turn = std::sin(glm::radians(15.0)), half = std::cos(glm::radians(15.0));
+    for (const bool isSlanted : {false, true}) {
+        const Pose front = isSlanted ? poseFromQuaternion({-3, 0, 0.8}, 0, turn, 0, half) : Pose{},
+                   back = poseFromQuaternion({0, 0, 12}, 0, 1, 0, 0);
+        const auto sideOf = [](const Pose& pose, double z, const char* name) {
+            const glm::dvec3 normal = glm::transpose(pose.rotation) * glm::dvec3(0, 0, 1);
+            DepthImage image = imageOf(smallCamera(), pose, [&](double x, double y) {
+                return planeDisparity(smallCamera(), normal, z - pose.translation.z, x, y);
+            });
+            image.name = name;
+            return image;
+        };
+        const std::vector<DepthImage> images{sideOf(front, 5.95, "front"), sideOf(back, 6.05, "back")};
+        ImageStore store(images);
+        ASSERT_FALSE(partnersOf(store)[0].empty()) << "else this tests nothing";
+        const auto [kept, figures] = keepOf(store, {});
+        EXPECT_EQ(figures.base, figures.samples) << isSlanted;
+    }
 }
 
 TEST(Redundancy, DropsNothingThatNobodyElseKeeps) {

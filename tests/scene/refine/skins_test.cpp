@@ -294,6 +294,25 @@ TEST(Guesses, ThatOthersMeasuredAreSurfacesAndThatOthersSawThroughAreNothing) {
         EXPECT_TRUE(isGuess(open(0, y)) && isGuess(open(8, y))) << "nobody speaks against it";
 }
 
+TEST(Skins, TellHowFarApartSurfacesAreAndWhatIsInsideOfThingsThatOthersSeeThrough) {
+    // A wall, which the second image has 3 cm farther away; it saw neither the block before it nor the pole.
+    const DepthImage wall = imageOf(smallCamera(), {}, [](double x, double y) {
+        const bool isBlock = x > 60 && x < 80 && y > 40 && y<60, isPole = x> 100 && x < 105;
+        return isBlock || isPole ? 0.5 : 0.25;
+    });
+    Pose beside;
+    beside.translation.x = 0.3;
+    const DepthImage other = imageOf(smallCamera(), beside, [](double, double) { return 1 / 4.03; });
+    ImageStore store({wall, other});
+    SkinFigures figures;
+    const Image<std::uint8_t> flags = markSkins(store, 0, everyOther(2, 0), {}, figures);
+    ASSERT_EQ(figures.words.size(), 1u);
+    EXPECT_GT(figures.words[0].agrees, 10000);
+    EXPECT_NEAR(figures.words[0].apartMetres, 0.03, 1e-4);
+    EXPECT_EQ(figures.floating, 20 * 20 + 5 * 120);
+    EXPECT_EQ(figures.floatingInside, 14 * 14) << "of the block; the pole has no inside";
+}
+
 TEST(Skins, AreTheSameBytesOnOneThreadAndOnTwoAndWithAnEmptyImageAmongThePartners) {
     std::vector<DepthImage> images = imagesOfBareRoom(4);
     for (auto& flags : images[3].flags.pixels())
