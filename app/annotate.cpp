@@ -1,5 +1,6 @@
 #include "app/annotate.h"
 
+#include "app/model_aim.h"
 #include "app/overlays.h"
 #include "scene/errors.h"
 
@@ -44,7 +45,7 @@ Annotator::Annotator(const scene::Scene& scene, const std::filesystem::path& sce
 }
 
 void Annotator::update(const NotingWants& wants) {
-    aimed_ = wants.aim ? scene::pick(scene_.blocks, *wants.aim, wants.shown) : std::nullopt;
+    aimed_ = wants.aim ? nearer(scene::pick(scene_.blocks, *wants.aim, wants.shown), wants.model) : std::nullopt;
     const std::size_t before = noting_.notes.list.size();
     const bool hadStart = noting_.start.has_value();
     if (wants.undoes) takeBack();

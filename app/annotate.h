@@ -18,6 +18,7 @@ struct NotingWants {
     NoteMode mode = NoteMode::points;
     bool presses = false, undoes = false; ///< for the one frame in which a button went down
     scene::PickOptions shown{};           ///< what the walker is shown, and may thus aim at
+    std::optional<scene::Pick> model{};   ///< where the aim meets a model that stands in the scene
 };
 
 class Annotator {

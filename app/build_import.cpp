@@ -27,7 +27,7 @@ namespace {
 using nlohmann::json;
 
 /// Changed whenever what a stage computes changes, so that results of older versions are not taken for new ones.
-constexpr int kImportVersion = 6;
+constexpr int kImportVersion = 7;
 
 /// Share of a scan's rays that is worth a word: a scanner that stands indoors has its own blind cone without range.
 constexpr double kManyWithoutRange = 0.3;
@@ -134,6 +134,7 @@ void writeFaces(const scene::ScanSource& source, const ScanPhotographs& photogra
                                             {"dropped", report.dropped},
                                             {"coarser_than_scan", report.coarserThanScan},
                                             {"sky_share", report.skyShare},
+                                            {"from_elsewhere", report.isFromElsewhere},
                                             {"up", {up.x, up.y, up.z}}}
                                            .dump());
 }
@@ -233,6 +234,12 @@ ImportedImages importImages(scene::Capture& capture, const std::vector<std::size
             tell(capture, "Scan '" + scan.name +
                               "' is denser than its images may be within --memory: where it is densest, several of its "
                               "points share a sample.");
+        if (points.at("from_elsewhere").get<bool>())
+            tell(capture, "The points of scan '" + scan.name +
+                              "' cannot all have been seen from where its file has the scanner: they are drawn as from "
+                              "a place amid them" +
+                              (options.findUnseen ? ", and what was seen empty is reckoned from there, too" : "") +
+                              ". Where several scans were merged, export each set-up by itself, with its own pose.");
         if (points.at("held") == 0) {
             imported.emptyScans.push_back(scan.name);
             continue;

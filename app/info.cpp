@@ -155,8 +155,9 @@ void printPhotographs(const json& photographs) {
         std::printf("  photograph %s of %s: %s", shown(photo.at("name")).c_str(), shown(photo.at("scan")).c_str(),
                     photo.at("verdict").get<std::string>().c_str());
         if (photo.at("sure").get<bool>())
-            std::printf("; turned by %.3f degrees, known to %.3f", photo.at("turned_deg").get<double>(),
-                        photo.at("deviation_deg").get<double>());
+            std::printf("; %s by %.3f degrees, known to %.3f",
+                        photo.at("verdict") == "as given" ? "fits best if turned" : "turned",
+                        photo.at("turned_deg").get<double>(), photo.at("deviation_deg").get<double>());
         else
             std::printf(" (%s)", shown(photo.at("why")).c_str());
         std::printf("; the next best turn scores %s, %s of its parts agree\n",

@@ -117,7 +117,7 @@ void addBuild(CLI::App& program, app::BuildOptions& options, std::string& memory
     build
         ->add_option("--dropout-radius", options.dropouts.radius,
                      "photographs: gaps of range within a surface, up to so many pixels wide, are closed by the range "
-                     "about them and count as seen; 0: never")
+                     "about them; more than a pixel from what was measured that is shown as filled; 0: never")
         ->check(CLI::Range(0, 20))
         ->capture_default_str();
     build->add_flag_callback(

@@ -40,7 +40,7 @@ void drawFacts(const WalkFacts& facts) {
     if (!facts.isTracked) ImGui::TextColored({1, 0.6f, 0.2f, 1}, "the head is not tracked");
     ImGui::Text("%.1f frames/s", facts.framesPerSecond);
     if (!facts.given.empty()) ImGui::Text("to hold the rate: %s", facts.given.c_str());
-    ImGui::Text("at %.2f, %.2f, %.2f m   %.1f m/s", facts.place.x, facts.place.y, facts.place.z, facts.speed);
+    ImGui::Text("walk space %.2f, %.2f, %.2f m   %.1f m/s", facts.place.x, facts.place.y, facts.place.z, facts.speed);
     if (std::abs(facts.scale - 1) > 1e-9) ImGui::Text("world 1 : %.3g", facts.scale);
     std::uint64_t samples = 0;
     std::uint32_t drawn = 0, tested = 0;

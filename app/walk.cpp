@@ -105,6 +105,7 @@ Walk::Walk(const scene::Scene& scene, const WalkOptions& options, DeskSide* desk
     if (!options.isHeadless) {
         start_ = readStartOf(scene);
         annotator_.emplace(scene, scene.folder);
+        findModels();
     }
     if (start_) setHome();
     surroundings_.hit = [this](const glm::dvec3& from, const glm::dvec3& d) { return hit(from, d); };
@@ -114,6 +115,15 @@ Walk::Walk(const scene::Scene& scene, const WalkOptions& options, DeskSide* desk
         if (surroundings_.captures.empty() ||
             glm::distance(surroundings_.captures.back().translation, head.translation) > kSameStand)
             surroundings_.captures.push_back(head);
+    }
+}
+
+void Walk::findModels() {
+    if (!drawnScene_.polygons) return;
+    try {
+        models_.emplace(*drawnScene_.polygons);
+    } catch (const scene::Failure& failure) { // panes of glass alone, or there is no memory
+        sayNote(std::string("aims pass through --polygons: ") + failure.what());
     }
 }
 
@@ -276,6 +286,7 @@ void Walk::note(const input::Wants& wants, bool isAtDesk) {
         const bool measures = isAtDesk ? pressMeasures_ : i == 1;
         noting.mode = measures ? NoteMode::distances : NoteMode::points;
     }
+    if (noting.aim && models_) noting.model = models_->meet(*noting.aim);
     annotator_->update(noting);
     if (const std::string notice = annotator_->takeNotice(); !notice.empty()) say(notice);
 }
@@ -302,8 +313,11 @@ scene::PickOptions Walk::pickOptions() const {
 std::optional<input::Surface> Walk::hit(const glm::dvec3& from, const glm::dvec3& direction) const {
     const scene::Ray ray{worldFromWalk_ * from, worldFromWalk_.rotation * direction};
     const std::optional<scene::Pick> pick = scene::pick(scene_.blocks, ray, pickOptions());
+    const std::optional<scene::Pick> model = models_ ? models_->meet(ray) : std::nullopt;
+    // What has no normal is no floor: nor are models, which nobody scanned.
+    if (model && nearer(pick, model)->distanceMetres == model->distanceMetres)
+        return input::Surface{scene_.walkFromWorld * model->position, glm::dvec3(0)};
     if (!pick || !pick->isSeen) return std::nullopt;
-    // What has no normal is no floor.
     const glm::dvec3 normal = pick->normal ? scene_.walkFromWorld.rotation * *pick->normal : glm::dvec3(0);
     return input::Surface{scene_.walkFromWorld * pick->position, normal};
 }

@@ -8,6 +8,7 @@
 #include "app/device_trouble.h"
 #include "app/drawn_scene.h"
 #include "app/governed_quality.h"
+#include "app/model_aim.h"
 #include "app/selection.h"
 #include "app/walk_record.h"
 #include "app/walk_stage.h"
@@ -84,6 +85,7 @@ class Walk {
     bool isDesk(const xr::ViewSource& source) const { return deskSide_ != nullptr && &source == &deskSide_->desktop; }
     /// Looks for a headset in another thread, now and then. True once there is one; found_ is its runtime.
     bool seekHeadset();
+    void findModels();
     void say(const std::string& notice);
     nlohmann::json reportOf(const WalkStage& stage) const;
 
@@ -114,6 +116,7 @@ class Walk {
     std::array<std::string, input::kHands> controllers_;
     int framesWithoutController_ = 0;
     std::optional<Annotator> annotator_;
+    std::optional<ModelAim> models_;
     std::array<input::Hand, input::kHands> hands_{}; ///< in the frame before it is drawn
     bool pressMeasures_ = false; ///< whether the press at the desk that is under way is of a distance
     render::FramePictures mirrored_;

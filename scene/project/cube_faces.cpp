@@ -152,7 +152,9 @@ CubeFaceReport projectToCubeFaces(const Scan& scan, const CubeFaceOptions& optio
     if (scan.pointsInScanner.empty()) return report;
 
     const std::optional<ScanGrid> grid = gridOf(scan, options.sameSurface);
-    const CubeFrame frame = cubeFrame(scan, grid ? glm::dvec3(0.0) : viewpointOf(scan));
+    const glm::dvec3 viewpoint = grid ? glm::dvec3(0.0) : viewpointOf(scan);
+    report.isFromElsewhere = viewpoint != glm::dvec3(0.0);
+    const CubeFrame frame = cubeFrame(scan, viewpoint);
     const AngularSteps steps = grid ? grid->steps : looseSteps(scan, frame.copInScanner);
     report.columnStepRadians = steps.horizontal;
     report.rowStepRadians = steps.vertical;

@@ -27,6 +27,7 @@ struct CubeFaceReport {
     double columnStepRadians = 0, rowStepRadians = 0; ///< the scan's angular density
     bool coarserThanScan = false;                     ///< that density was not allowed: pixels hold several points
     double skyShare = 0;                              ///< of the grid's cells that are open sky, where it was asked for
+    bool isFromElsewhere = false; ///< not seen from the scanner's place: faces look from one amid the points
 };
 
 /// Is given the images of one face, its further layers after the first.

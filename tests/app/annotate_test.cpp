@@ -2,6 +2,7 @@
 
 #include "app/annotate.h"
 
+#include "app/model_aim.h"
 #include "app/overlays.h"
 #include "scene/tile.h"
 #include "tests/scene/scratch_folder.h"
@@ -65,6 +66,37 @@ TEST_F(Annotating, APressNotesWhereTheAimMeetsTheScene) {
     render::Overlay overlay;
     annotator.appendTo(overlay);
     EXPECT_TRUE(says(overlay, "P1"));
+}
+
+TEST_F(Annotating, NothingIsNotedThroughAModelNorOnIt) {
+    scene::PolygonScene model; // right of the middle, before the wall
+    model.materials.emplace_back();
+    model.meshes.push_back({.positions = {{0.1f, -1, 1.5f}, {1, -1, 1.5f}, {0.1f, 1, 1.5f}}, .triangles = {{0, 1, 2}}});
+    model.instances.push_back({});
+    const ModelAim models(model);
+    const auto pressThrough = [&](double x, double y) {
+        NotingWants wants = pressAt(x, y);
+        wants.model = models.meet(*wants.aim);
+        return wants;
+    };
+    Annotator annotator(scene_, scratch_.path());
+    annotator.update(pressThrough(0.3, 0));
+    EXPECT_EQ(annotator.notes().list.size(), 0u);
+    EXPECT_EQ(annotator.takeNotice(), "no range was measured there: only what was seen is noted");
+    ASSERT_TRUE(annotator.aimedAt());
+    EXPECT_LT(glm::distance(annotator.aimedAt()->position, {0.225, 0, 1.5}), 1e-6);
+    EXPECT_LT(glm::distance(annotator.aimedAt()->normal.value(), {0, 0, -1}), 1e-6);
+    annotator.update(pressThrough(-0.2, 0)); // beside it
+    ASSERT_EQ(annotator.notes().list.size(), 1u);
+    EXPECT_LT(glm::distance(annotator.notes().list[0].from, {-0.2, 0, 2}), 1e-4);
+    // A model behind the wall is hidden by it.
+    model.instances[0].worldFromMesh[3] = glm::dvec4(0, 0, 2, 1);
+    const ModelAim behind(model);
+    NotingWants wants = pressAt(0.3, 0);
+    wants.model = behind.meet(*wants.aim);
+    ASSERT_TRUE(wants.model);
+    annotator.update(wants);
+    EXPECT_EQ(annotator.notes().list.size(), 2u);
 }
 
 TEST_F(Annotating, ADistanceIsShownWhileItIsDrawnOut) {
