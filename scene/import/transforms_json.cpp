@@ -36,13 +36,38 @@ json parseManifest(const std::filesystem::path& manifest) {
     }
 }
 
+/// Not so where that cannot be told: what comes of it says so when it is read.
+bool isMissing(const std::filesystem::path& picture) {
+    std::error_code ignored;
+    return std::filesystem::status(picture, ignored).type() == std::filesystem::file_type::not_found;
+}
+
+/// Why a frame cannot be used though nothing is wrong with it: the words of a sentence about it, and what is said if
+/// no frame can.
+struct Lack {
+    std::string words;
+    Failure failure;
+};
+
 class FrameReader {
   public:
     FrameReader(const std::filesystem::path& manifest, const json& root, const json& frame, std::size_t index)
         : manifest_(manifest), root_(root), frame_(frame),
           where_(manifest.string() + ", frame " + std::to_string(index)) {}
 
-    PhotoSource read() {
+    /// Of its two pictures.
+    std::optional<Lack> findLack() const {
+        const std::filesystem::path colour = pathOf("file_path");
+        const auto depth = frame_.find("depth_file_path");
+        if (depth == frame_.end() || depth->is_null()) return Lack{"has no depth_file_path", hasNo("depth_file_path")};
+        for (const std::filesystem::path& picture : {colour, pathOf("depth_file_path")})
+            if (isMissing(picture))
+                return Lack{"names '" + picture.string() + "', which is not there",
+                            Failure("no such picture", picture, "check the path in the capture's list of frames")};
+        return std::nullopt;
+    }
+
+    PhotoSource read() const {
         PhotoSource photo;
         photo.colourPath = pathOf("file_path");
         photo.depthPath = pathOf("depth_file_path");
@@ -58,11 +83,14 @@ class FrameReader {
     }
 
   private:
+    Failure hasNo(const char* pictureKey) const {
+        return {std::string("has no ") + pictureKey, where_,
+                "Revisit needs colour and depth for each frame: export the capture with depth"};
+    }
+
     std::filesystem::path pathOf(const char* key) const {
         const auto found = frame_.find(key);
-        if (found == frame_.end() || !found->is_string())
-            throw Failure(std::string("has no ") + key, where_,
-                          "Revisit needs colour and depth for each frame: export the capture with depth");
+        if (found == frame_.end() || !found->is_string()) throw hasNo(key);
         if (found->get_ref<const std::string&>().empty())
             throw Failure(std::string(key) + " is empty", where_,
                           "name the picture's file, from the manifest's folder");
@@ -155,16 +183,29 @@ void listTransformsJson(const std::filesystem::path& manifest, Capture& capture)
     const auto frames = root.is_object() ? root.find("frames") : root.end();
     if (!root.is_object() || frames == root.end() || !frames->is_array() || frames->empty())
         throw Failure("lists no frames", manifest, "name the transforms.json of a capture with at least one frame");
+    std::optional<Lack> first;
+    std::size_t firstIndex = 0, leftOut = 0;
     try {
         for (std::size_t i = 0; i < frames->size(); ++i) {
             if (!(*frames)[i].is_object())
                 throw Failure("is not an object", manifest.string() + ", frame " + std::to_string(i),
                               "repair the manifest");
-            capture.photos.push_back(FrameReader(manifest, root, (*frames)[i], i).read());
+            const FrameReader frame(manifest, root, (*frames)[i], i);
+            if (std::optional<Lack> lack = frame.findLack()) {
+                if (leftOut++ == 0) first = std::move(lack), firstIndex = i;
+                continue;
+            }
+            capture.photos.push_back(frame.read());
         }
     } catch (const json::exception& e) {
         throw Failure(std::string("has a value of the wrong kind (") + e.what() + ")", manifest, "repair the manifest");
     }
+    if (!first) return;
+    if (leftOut == frames->size()) throw first->failure;
+    capture.remarks.push_back(manifest.string() + ": " + std::to_string(leftOut) + " of " +
+                              std::to_string(frames->size()) +
+                              " frames lack their picture or its depth and were left out; the first, frame " +
+                              std::to_string(firstIndex) + ", " + first->words + ".");
 }
 
 } // namespace scene

@@ -47,7 +47,25 @@ class TransformsJson : public testing::Test {
         listTransformsJson(manifest_, capture);
         return capture;
     }
-    Capture list(const json& root) { return list(root.dump()); }
+    Capture list(const json& root) {
+        makePictures(root);
+        return list(root.dump());
+    }
+    /// Empty files, which listing does not look into, wherever the manifest names any.
+    void makePictures(const json& root) {
+        if (!root.is_object() || !root.contains("frames")) return;
+        for (const json& frame : root.at("frames"))
+            for (const char* key : {"file_path", "depth_file_path"}) {
+                if (!frame.is_object() || !frame.contains(key) || !frame.at(key).is_string()) continue;
+                const std::filesystem::path picture = folder_ / frame.at(key).get<std::string>();
+                std::filesystem::create_directories(picture.parent_path());
+                if (!std::filesystem::exists(picture)) writeFile(picture, "");
+            }
+    }
+    void writeManifest(const json& root) {
+        makePictures(root);
+        writeFile(manifest_, root.dump());
+    }
     void expectRefused(const json& root, const std::string& words) {
         const std::string message = failureOf<Failure>([&] { list(root); });
         EXPECT_EQ(message.find(manifest_.string()), 0u) << "'" << message << "' for " << root.dump();
@@ -107,8 +125,10 @@ TEST_F(TransformsJson, WhatAFrameLacksIsNamed) {
     for (const char* key : {"file_path", "depth_file_path", "transform_matrix"}) {
         json root = manifestOf({frameNamed("a"), frameNamed("b")});
         root["frames"][1].erase(key);
-        expectRefused(root, key);
-        expectRefused(root, "frame 1");
+        if (key != std::string("depth_file_path")) {
+            expectRefused(root, key);
+            expectRefused(root, "frame 1");
+        }
         root["frames"][1][key] = 7;
         expectRefused(root, key);
         root["frames"][1][key] = "";
@@ -124,6 +144,43 @@ TEST_F(TransformsJson, WhatAFrameLacksIsNamed) {
     for (const json& root :
          {json(3), json::array(), json::object(), json(nullptr), json{{"frames", 3}}, json{{"frames", json::object()}}})
         expectRefused(root, "lists no frames");
+}
+
+TEST_F(TransformsJson, FramesWithoutDepthOrWithoutTheirFilesAreLeftOutAndToldOfOnce) {
+    json root = manifestOf({frameNamed("a"), frameNamed("b"), frameNamed("c"), frameNamed("d"), frameNamed("e")});
+    writeManifest(root);
+    EXPECT_TRUE(list(root).remarks.empty());
+    const auto expectLeft = [&](const std::string& names, const std::string& remark) {
+        const Capture capture = list(root.dump());
+        std::string left;
+        for (const PhotoSource& photo : capture.photos)
+            left += photo.name;
+        EXPECT_EQ(left, names);
+        ASSERT_EQ(capture.remarks.size(), 1u);
+        EXPECT_EQ(capture.remarks[0], manifest_.string() + ": " + remark);
+    };
+    root["frames"][3].erase("depth_file_path");
+    expectLeft("abce", "1 of 5 frames lack their picture or its depth and were left out; the first, frame 3, has no "
+                       "depth_file_path.");
+    root["frames"][2]["depth_file_path"] = nullptr;
+    expectLeft("abe", "2 of 5 frames lack their picture or its depth and were left out; the first, frame 2, has no "
+                      "depth_file_path.");
+    std::filesystem::remove(folder_ / "images/b.png");
+    const std::string b = (folder_ / "images/b.png").string(), a = (folder_ / "depth/a.png").string();
+    expectLeft("ae", "3 of 5 frames lack their picture or its depth and were left out; the first, frame 1, names '" +
+                         b + "', which is not there.");
+    std::filesystem::remove(a);
+    expectLeft("e", "4 of 5 frames lack their picture or its depth and were left out; the first, frame 0, names '" + a +
+                        "', which is not there.");
+    // Where none is left it is as if the first were all there is.
+    std::filesystem::remove(folder_ / "images/e.png");
+    EXPECT_EQ(failureOf<Failure>([&] { list(root.dump()); }),
+              a + ": no such picture; check the path in the capture's list of frames");
+    for (json& frame : root["frames"])
+        frame.erase("depth_file_path");
+    EXPECT_EQ(failureOf<Failure>([&] { list(root.dump()); }),
+              manifest_.string() + ", frame 0: has no depth_file_path; Revisit needs colour and depth for each frame: "
+                                   "export the capture with depth");
 }
 
 TEST_F(TransformsJson, NumbersThatAreNoneAreNotPassedOver) {
@@ -157,7 +214,7 @@ TEST_F(TransformsJson, NumbersThatAreNoneAreNotPassedOver) {
 TEST_F(TransformsJson, APhotographThatIsListedTwiceIsTold) {
     json again = frameNamed("a");
     const auto remarksOf = [&] {
-        writeFile(manifest_, manifestOf({frameNamed("a"), frameNamed("b"), again}).dump());
+        writeManifest(manifestOf({frameNamed("a"), frameNamed("b"), again}));
         return openCapture(std::array{manifest_}).remarks;
     };
     ASSERT_EQ(remarksOf().size(), 1u);
@@ -171,7 +228,7 @@ TEST_F(TransformsJson, APhotographThatIsListedTwiceIsTold) {
 
 TEST_F(TransformsJson, WhatNoCaptureHasIsRefused) {
     const auto refuse = [&](const json& root, const char* why) {
-        writeFile(manifest_, root.dump());
+        writeManifest(root);
         const std::vector<std::filesystem::path> inputs{manifest_};
         const std::string failure = failureOf<Failure>([&] { openCapture(inputs); });
         EXPECT_NE(failure.find(why), std::string::npos) << failure << root;
@@ -237,7 +294,9 @@ TEST_F(TransformsJson, PosesThatAreNotRigidAreRefused) {
 }
 
 TEST_F(TransformsJson, CutAnywhereIsAFailure) {
-    const std::string whole = manifestOf({frameNamed("a"), frameNamed("b")}).dump(1);
+    const json root = manifestOf({frameNamed("a"), frameNamed("b")});
+    makePictures(root);
+    const std::string whole = root.dump(1);
     for (std::size_t length = 0; length < whole.size(); length += 3) {
         const std::string message = failureOf<Failure>([&] { list(whole.substr(0, length)); });
         EXPECT_EQ(message.find(manifest_.string()), 0u) << "cut at " << length << ": '" << message << "'";
@@ -255,9 +314,8 @@ TEST_F(TransformsJson, CutAnywhereIsAFailure) {
 
 TEST_F(TransformsJson, NamesOfACaptureAreUniqueFileNames) {
     const std::string umlauts = std::string(99, 'a') + "\xc3\xa4\xc3\xa4"; // the 100th byte is half a character
-    writeFile(manifest_, manifestOf({frameNamed("x/1"), frameNamed("y/1"), frameNamed("1-2"), frameNamed("a b:c"),
-                                     frameNamed(".hidden"), frameNamed(umlauts), frameNamed("\xe6\x97\xa5")})
-                             .dump());
+    writeManifest(manifestOf({frameNamed("x/1"), frameNamed("y/1"), frameNamed("1-2"), frameNamed("a b:c"),
+                              frameNamed(".hidden"), frameNamed(umlauts), frameNamed("\xe6\x97\xa5")}));
     const std::filesystem::path inputs[] = {folder_.path()};
     std::vector<std::string> names;
     for (const PhotoSource& photo : openCapture(inputs).photos)
