@@ -155,7 +155,7 @@ json describeSource(const scene::PhotoSource& photo) {
             {c.width, c.height, c.fx, c.fy, c.cx, c.cy},
             {d.k1, d.k2, d.p1, d.p2, d.k3},
             describe(photo.worldFromCamera),
-            photo.depthUnitMetres};
+            photo.depthUnitMetres ? json(*photo.depthUnitMetres) : json()};
 }
 
 json describeReading(const scene::ScanSource& scan) {

@@ -15,15 +15,15 @@
 
 namespace scene {
 
-/// A photograph with its registered depth: two picture files. depthUnitMetres is what one step of a 16 bit
-/// depth value is.
+/// A photograph with its registered depth: two picture files. depthUnitMetres is what a depth value of 1 means; nothing
+/// if the capture does not say: a millimetre in pictures of 16 bit steps, a metre in those of floats.
 struct PhotoSource {
     std::string name; ///< unique within the capture
     std::filesystem::path colourPath, depthPath;
     Camera camera;
     Distortion distortion;
     Pose worldFromCamera;
-    double depthUnitMetres = 0.001;
+    std::optional<double> depthUnitMetres;
 };
 
 enum class ScanFormat { e57, ptx };

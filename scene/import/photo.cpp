@@ -69,12 +69,12 @@ cv::Mat1f readDepth(const PhotoSource& source) {
         pictureFrom(source.depthPath, PictureKind::asStored, [&](PictureSize size) { checkDepthSize(size, source); });
     if (stored.channels() != 1)
         throw Failure("depth picture has " + std::to_string(stored.channels()) + " channels", source.depthPath,
-                      "depth is one channel of 16 bit steps or 32 bit metres");
+                      "depth is one channel of 16 bit steps or 32 bit floats");
     cv::Mat1f metres;
     if (stored.depth() == CV_16U)
-        stored.convertTo(metres, CV_32F, source.depthUnitMetres);
+        stored.convertTo(metres, CV_32F, source.depthUnitMetres.value_or(0.001));
     else if (stored.depth() == CV_32F)
-        metres = stored;
+        stored.convertTo(metres, CV_32F, source.depthUnitMetres.value_or(1.0));
     else
         throw Failure("depth picture has neither 16 bit steps nor 32 bit floats", source.depthPath,
                       "export depth as 16 bit PNG or 32 bit float TIFF");

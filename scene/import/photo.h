@@ -6,9 +6,9 @@
 
 namespace scene {
 
-/// Reads colour (8 bit, any layout OpenCV knows) and depth (16 bit steps of depthUnitMetres, or 32 bit float in metres;
-/// along z; 0, negative, NaN and infinite mean no return) and removes lens distortion. Depth of a lower resolution is
-/// brought to the colour's, never across a silhouette.
+/// Reads colour (8 bit, any layout OpenCV knows) and depth (16 bit steps or 32 bit floats, both
+/// in depthUnitMetres; along z; 0, negative, NaN and infinite mean no return) and removes lens distortion. Depth of a
+/// lower resolution is brought to the colour's, never across a silhouette.
 /// Throws Failure: missing or unreadable file, sizes that do not fit.
 DepthImage readPhoto(const PhotoSource& source);
 

@@ -75,8 +75,8 @@ class FrameReader {
         photo.camera = camera();
         photo.distortion = distortion();
         photo.worldFromCamera = pose();
-        photo.depthUnitMetres = findNumber("depth_unit_scale_factor").value_or(0.001);
-        if (!(photo.depthUnitMetres > 0) || !std::isfinite(photo.depthUnitMetres))
+        photo.depthUnitMetres = findNumber("depth_unit_scale_factor");
+        if (const auto unit = photo.depthUnitMetres; unit && (!(*unit > 0) || !std::isfinite(*unit)))
             throw Failure("depth_unit_scale_factor is not a positive number", where_,
                           "give metres per depth step, e.g. 0.001");
         return photo;

@@ -79,6 +79,25 @@ TEST_F(Photo, DepthInFloatsIsMetresAndWhatIsNoneIsNoSurface) {
         }
 }
 
+TEST_F(Photo, DepthIsInTheUnitThatIsGivenElseInWhatIsUsualOfItsKind) {
+    PhotoSource photo = source(8, 6);
+    writePicture(photo.colourPath, gradientPicture(8, 6));
+    const auto metresOf = [&](const cv::Mat& depth, const char* file, std::optional<double> unit) {
+        photo.depthPath = folder_ / file;
+        photo.depthUnitMetres = unit;
+        writePicture(photo.depthPath, depth);
+        return 1 / readPhoto(photo).disparity(3, 2);
+    };
+    const cv::Mat steps = flatDepth(8, 6, 2500), floats = cv::Mat1f(6, 8, 2500.f);
+    EXPECT_FLOAT_EQ(metresOf(steps, "depth.png", std::nullopt), 2.5f) << "millimetres";
+    EXPECT_FLOAT_EQ(metresOf(floats, "depth.tiff", std::nullopt), 2500.f) << "metres";
+    EXPECT_FLOAT_EQ(metresOf(steps, "depth.png", 0.002), 5.f);
+    EXPECT_FLOAT_EQ(metresOf(floats, "depth.tiff", 0.002), 5.f);
+    EXPECT_FLOAT_EQ(metresOf(steps, "depth.png", 1.0), 2500.f);
+    EXPECT_FLOAT_EQ(metresOf(floats, "depth.tiff", 0.001), 2.5f)
+        << "given, though it is what 16 bit steps have unasked";
+}
+
 TEST_F(Photo, DepthOfALowerResolutionIsExactOnPlanesAndNeverBetweenSurfaces) {
     PhotoSource photo = source(160, 120);
     photo.depthPath = folder_ / "depth.tiff";
