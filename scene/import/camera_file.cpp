@@ -42,19 +42,6 @@ double stretchAt(const Distortion& lens, const glm::dvec2& ideal) {
     return (x.x * y.y - x.y * y.x) / (4 * kStep * kStep);
 }
 
-/// Looks from the middle out to the corners.
-bool isOneToOne(const CameraFile& file) {
-    constexpr int kSteps = 32;
-    const Camera& c = file.camera;
-    for (const double x : {0.0, 1.0 * c.width})
-        for (const double y : {0.0, 1.0 * c.height})
-            for (int i = 0; i <= kSteps; ++i) {
-                const glm::dvec2 corner(rayThrough(c, x, y));
-                if (!(stretchAt(file.distortion, corner * (static_cast<double>(i) / kSteps)) > 0)) return false;
-            }
-    return true;
-}
-
 } // namespace
 
 CameraFile readCameraFile(const std::filesystem::path& path) {
@@ -67,7 +54,7 @@ CameraFile readCameraFile(const std::filesystem::path& path) {
         sizeOf(file, "width", path), sizeOf(file, "height", path), need("fx"), need("fy"), need("cx"), need("cy")};
     result.distortion = {find("k1"), find("k2"), find("p1"), find("p2"), find("k3")};
     if (!isUsable(result.camera)) throw Failure("is no camera: a focal length is not positive", path, "correct it");
-    if (!isOneToOne(result))
+    if (!isOneToOne(result.camera, result.distortion))
         throw Failure("has a lens that folds the picture over itself", path, "check the signs of k1, k2 and k3");
     return result;
 }
@@ -90,6 +77,18 @@ glm::dvec2 distorted(const Distortion& lens, const glm::dvec2& ideal) {
     const double radial = 1 + r2 * (lens.k1 + r2 * (lens.k2 + r2 * lens.k3));
     return {x * radial + 2 * lens.p1 * x * y + lens.p2 * (r2 + 2 * x * x),
             y * radial + lens.p1 * (r2 + 2 * y * y) + 2 * lens.p2 * x * y};
+}
+
+bool isOneToOne(const Camera& camera, const Distortion& lens) {
+    if (lens == Distortion{}) return true; // however far out its corners are
+    constexpr int kSteps = 32;
+    for (const double x : {0.0, 1.0 * camera.width})
+        for (const double y : {0.0, 1.0 * camera.height})
+            for (int i = 0; i <= kSteps; ++i) {
+                const glm::dvec2 corner(rayThrough(camera, x, y));
+                if (!(stretchAt(lens, corner * (static_cast<double>(i) / kSteps)) > 0)) return false;
+            }
+    return true;
 }
 
 glm::dvec2 undistorted(const Distortion& lens, const glm::dvec2& seen) {

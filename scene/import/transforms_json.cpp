@@ -1,6 +1,7 @@
 #include "scene/import/transforms_json.h"
 
 #include "scene/errors.h"
+#include "scene/import/camera_file.h"
 #include "scene/picture_codec.h"
 
 #include <cmath>
@@ -74,6 +75,8 @@ class FrameReader {
         photo.name = photo.colourPath.stem().string();
         photo.camera = camera();
         photo.distortion = distortion();
+        if (!isOneToOne(photo.camera, photo.distortion))
+            throw Failure("has a lens that folds the picture over itself", where_, "check the signs of k1, k2 and k3");
         photo.worldFromCamera = pose();
         photo.depthUnitMetres = findNumber("depth_unit_scale_factor");
         if (const auto unit = photo.depthUnitMetres; unit && (!(*unit > 0) || !std::isfinite(*unit)))
@@ -98,17 +101,24 @@ class FrameReader {
         return path.is_absolute() ? path : manifest_.parent_path() / path;
     }
 
-    /// A number of the frame, else of the whole manifest, else nothing.
-    std::optional<double> findNumber(const char* key) const {
+    /// Of the frame, else of the whole manifest, else nothing.
+    const json* find(const char* key) const {
         for (const json* from : {&frame_, &root_}) {
             const auto found = from->find(key);
-            if (found == from->end() || found->is_null()) continue;
-            if (!found->is_number())
-                throw Failure(std::string(key) + " is not a number but " + found->dump().substr(0, 40), where_,
-                              "correct it");
-            return found->get<double>();
+            if (found != from->end() && !found->is_null()) return &*found;
         }
-        return std::nullopt;
+        return nullptr;
+    }
+
+    Failure isNot(const char* kind, const char* key, const json& value) const {
+        return {std::string(key) + " is not " + kind + " but " + value.dump().substr(0, 40), where_, "correct it"};
+    }
+
+    std::optional<double> findNumber(const char* key) const {
+        const json* const found = find(key);
+        if (!found) return std::nullopt;
+        if (!found->is_number()) throw isNot("a number", key, *found);
+        return found->get<double>();
     }
 
     double need(const char* key) const {
@@ -138,12 +148,28 @@ class FrameReader {
         return camera;
     }
 
+    Failure isNotSupported(const std::string& model) const {
+        return {"camera model " + model + " is not supported", where_, "undistort the pictures to a pinhole first"};
+    }
+
     Distortion distortion() const {
-        const std::string model = frame_.value("camera_model", root_.value("camera_model", std::string("OPENCV")));
-        if (model != "OPENCV" && model != "PINHOLE" && model != "SIMPLE_PINHOLE")
-            throw Failure("camera model " + model + " is not supported", where_,
-                          "undistort the pictures to a pinhole first");
+        std::string model = "OPENCV";
+        if (const json* const named = find("camera_model")) {
+            if (!named->is_string()) throw isNot("a name", "camera_model", *named);
+            model = named->get<std::string>();
+        }
+        const bool isRadial = model == "SIMPLE_RADIAL" || model == "RADIAL";
+        if (model != "OPENCV" && model != "PINHOLE" && model != "SIMPLE_PINHOLE" && !isRadial)
+            throw isNotSupported(model);
+        if (const json* const fisheye = find("is_fisheye")) {
+            if (!fisheye->is_boolean()) throw isNot("true or false", "is_fisheye", *fisheye);
+            if (fisheye->get<bool>()) throw isNotSupported(model + " of a fisheye");
+        }
         const auto number = [&](const char* key) { return findNumber(key).value_or(0.0); };
+        for (const char* const key : {"k4", "k5", "k6"})
+            if (number(key) != 0) throw isNotSupported(model + " with " + key);
+        for (const char* const key : {"p1", "p2", "k3"})
+            if (isRadial && number(key) != 0) throw isNotSupported(model + " with " + key);
         return {number("k1"), number("k2"), number("p1"), number("p2"), number("k3")};
     }
 

@@ -196,7 +196,9 @@ TEST_F(TransformsJson, NumbersThatAreNoneAreNotPassedOver) {
     refuseWith("k1", "0.1", "k1 is not a number");
     refuseWith("cx", json::array(), "cx is not a number");
     refuseWith("depth_unit_scale_factor", 0.0, "depth_unit_scale_factor");
-    refuseWith("camera_model", 5, "wrong kind");
+    refuseWith("camera_model", 5, "frame 0: camera_model is not a name but 5; correct it");
+    refuseWith("camera_model", json::array(), "camera_model is not a name but []");
+    refuseWith("is_fisheye", 1, "is_fisheye is not true or false but 1");
     refuseWith("camera_model", "OPENCV_FISHEYE", "OPENCV_FISHEYE is not supported");
     // A frame's own model counts, as its own numbers do.
     json root = manifestOf({frameNamed("a")});
@@ -209,6 +211,38 @@ TEST_F(TransformsJson, NumbersThatAreNoneAreNotPassedOver) {
         const std::string message = failureOf<Failure>([&] { list(bad); });
         EXPECT_EQ(message.find(manifest_.string()), 0u) << number << ": '" << message << "'";
     }
+}
+
+TEST_F(TransformsJson, LensesThatAreNotReadAreRefused) {
+    const json plain = manifestOf({frameNamed("a")});
+    const auto with = [&](json root, const json& keys) {
+        root.update(keys);
+        return root;
+    };
+    expectRefused(with(plain, {{"is_fisheye", true}}), "camera model OPENCV of a fisheye is not supported; undistort");
+    for (const char* key : {"k4", "k5", "k6"}) {
+        expectRefused(with(plain, {{key, 0.01}}), std::string("camera model OPENCV with ") + key + " is not supported");
+        EXPECT_EQ(list(with(plain, {{key, 0.0}, {"is_fisheye", false}})).photos.size(), 1u);
+        json own = plain;
+        own["frames"][0][key] = -0.01;
+        expectRefused(own, std::string("with ") + key);
+    }
+    for (const char* model : {"SIMPLE_RADIAL", "RADIAL"}) {
+        const json radial = with(plain, {{"camera_model", model}, {"k1", 0.1}, {"k2", -0.02}, {"p1", 0.0}});
+        EXPECT_EQ(list(radial).photos[0].distortion, (Distortion{0.1, -0.02, 0, 0, 0})) << model;
+        for (const char* key : {"p1", "p2", "k3"})
+            expectRefused(with(radial, {{key, 0.001}}), std::string("camera model ") + model + " with " + key);
+    }
+    EXPECT_EQ(list(with(plain, {{"camera_model", nullptr}})).photos.size(), 1u);
+}
+
+TEST_F(TransformsJson, ALensThatFoldsThePictureIsRefused) {
+    json root = manifestOf({frameNamed("a"), frameNamed("b")});
+    root["k1"] = -0.2;
+    EXPECT_EQ(list(root).photos.size(), 2u);
+    // A corner is at 0.8 of the focal length: the picture turns back on itself at sqrt(1 / (3 * 2)) = 0.41 of it.
+    root["frames"][1]["k1"] = -2.0;
+    expectRefused(root, "frame 1: has a lens that folds the picture over itself; check the signs");
 }
 
 TEST_F(TransformsJson, APhotographThatIsListedTwiceIsTold) {
