@@ -5,6 +5,7 @@
 #include "scene/import/e57.h"
 #include "scene/import/polygons.h"
 #include "scene/import/ptx.h"
+#include "scene/import/scan_name.h"
 #include "scene/import/scan_photos.h"
 #include "scene/import/transforms_json.h"
 #include "scene/import/tum_rgbd.h"
@@ -14,6 +15,8 @@
 #include <cmath>
 #include <fstream>
 #include <map>
+#include <optional>
+#include <set>
 #include <unordered_map>
 #include <unordered_set>
 
@@ -165,13 +168,40 @@ void requirePlausible(const Pose& worldFromIt, const std::string& name, const st
         throw Failure("'" + name + "' stands more than 100,000 km from the origin", path, "correct its pose");
 }
 
+/// All photographs, those beside scans last, by whatever a person may call them.
+class PhotographNames {
+  public:
+    explicit PhotographNames(const Capture& capture) {
+        for (const PhotoSource& photo : capture.photos)
+            names_.emplace(photo.name, names_.size());
+        for (const ScanPhoto& photo : capture.scanPhotos)
+            names_.emplace(photo.name, names_.size());
+        // What their files are called differs where it cannot be an image's name, or is two photographs'.
+        for (std::size_t i = 0; i < capture.photos.size(); ++i)
+            for (const std::filesystem::path& name :
+                 {capture.photos[i].colourPath.stem(), capture.photos[i].colourPath.filename()})
+                files_.emplace(name.string(), i);
+    }
+
+    std::optional<std::size_t> find(const std::string& name) const {
+        if (const auto found = names_.find(name); found != names_.end()) return found->second;
+        if (const auto found = files_.find(name); found != files_.end()) return found->second;
+        // As names became those of images: of photographs, and of what stands in a scan's file.
+        std::set<std::string> taken;
+        for (const std::string& clean : {fileNameOf(name), scanName(name, {}, taken)}) {
+            if (clean.size() != name.size()) continue; // others may begin like a name that is cut
+            if (const auto found = names_.find(clean); found != names_.end()) return found->second;
+        }
+        return std::nullopt;
+    }
+
+  private:
+    std::unordered_map<std::string, std::size_t> names_, files_;
+};
+
 /// Which of all photographs, those beside scans last, a file names; ascending.
 std::vector<std::size_t> readNames(const Capture& capture, const std::string& path) {
-    std::unordered_map<std::string, std::size_t> indexOf;
-    for (const PhotoSource& photo : capture.photos)
-        indexOf.emplace(photo.name, indexOf.size());
-    for (const ScanPhoto& photo : capture.scanPhotos)
-        indexOf.emplace(photo.name, indexOf.size());
+    const PhotographNames names(capture);
     std::ifstream file(path);
     if (!file || std::filesystem::is_directory(path))
         throw Failure("no such file", "--hold-out " + path,
@@ -182,11 +212,11 @@ std::vector<std::size_t> readNames(const Capture& capture, const std::string& pa
         while (!name.empty() && std::isspace(static_cast<unsigned char>(name.back())))
             name.pop_back();
         if (name.empty()) continue;
-        const auto found = indexOf.find(name);
-        if (found == indexOf.end())
+        const std::optional<std::size_t> found = names.find(name);
+        if (!found)
             throw Failure("no image is called '" + name + "'", atLine(path, line),
-                          "names are the pictures' file names without extension");
-        named.push_back(found->second);
+                          "names are the pictures' file names, with or without extension");
+        named.push_back(*found);
     }
     std::sort(named.begin(), named.end());
     named.erase(std::unique(named.begin(), named.end()), named.end());

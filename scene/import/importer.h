@@ -21,8 +21,8 @@ struct HeldOut {
 };
 
 /// Which photographs --hold-out keeps out of the scene: "every:N:FIRST" (each N-th, counted over the photos and then
-/// over those beside scans, from FIRST on) or a text file with a name on each line. Throws Failure for a name the
-/// capture has not.
+/// over those beside scans, from FIRST on) or a text file with a name on each line: the image's, or as the picture's
+/// file is called, with or without extension. Throws Failure for a name the capture has not.
 HeldOut findHeldOut(const Capture& capture, const std::string& rule);
 
 } // namespace scene

@@ -58,6 +58,14 @@ TEST(ScanPhotosOfAFile, ThoseThatCannotBeUsedAreToldOfInOneSentenceEach) {
                                      HasSubstr("'far' is not used: no scan stands at its place")));
 }
 
+TEST(ScanPhotosOfAFile, AreHeldOutByTheNamesTheFileHas) {
+    const TemporaryFolder folder;
+    const Capture capture = captureOf(folder, {imageOf("hall 1", "pinholeRepresentation", WrittenPose{}),
+                                               imageOf("hall 2", "pinholeRepresentation", WrittenPose{})});
+    writeBytes(folder / "names.txt", "hall 2\n");
+    EXPECT_THAT(findHeldOut(capture, (folder / "names.txt").string()).scanPhotos, testing::ElementsAre(1));
+}
+
 TEST(ScanPhotosOfAFile, AFileWithoutPhotographsHasNothingToSay) {
     const TemporaryFolder folder;
     const Capture capture = captureOf(folder, {});

@@ -383,8 +383,34 @@ TEST_F(TransformsJson, HoldOutRulesChooseByCountOrByName) {
     const std::string message = failureOf<Failure>([&] { findHeldOut(capture, names); });
     EXPECT_NE(message.find(names + ", line 2"), std::string::npos) << message;
     EXPECT_NE(message.find("frame11"), std::string::npos) << message;
+    EXPECT_EQ(message.find('\n'), std::string::npos) << message;
     for (const std::string& rule : {folder_.path().string(), names + ".gone"})
         EXPECT_NE(failureOf<Failure>([&] { findHeldOut(capture, rule); }).find(rule), std::string::npos) << rule;
+}
+
+TEST_F(TransformsJson, HoldOutNamesMayBeThoseOfThePicturesFiles) {
+    const std::string longName(110, 'l');
+    writeManifest(manifestOf({frameNamed("IMG-0001"), frameNamed("IMG 0001"), frameNamed("b.1"), frameNamed("b"),
+                              frameNamed(longName + "1"), frameNamed(longName + "2"), frameNamed("c:d")}));
+    const Capture capture = openCapture(std::array{manifest_});
+    ASSERT_EQ(capture.photos[1].name, "IMG-0001-2");
+    const auto heldOutBy = [&](const std::string& name) {
+        writeFile(folder_ / "names.txt", name + "\n");
+        return findHeldOut(capture, (folder_ / "names.txt").string()).photos;
+    };
+    using Indices = std::vector<std::size_t>;
+    EXPECT_EQ(heldOutBy("IMG-0001"), Indices{0});
+    EXPECT_EQ(heldOutBy("IMG-0001.png"), Indices{0});
+    EXPECT_EQ(heldOutBy("IMG 0001"), Indices{1}) << "not the one whose name it would get alone";
+    EXPECT_EQ(heldOutBy("IMG 0001.png"), Indices{1});
+    EXPECT_EQ(heldOutBy("IMG-0001-2"), Indices{1});
+    EXPECT_EQ(heldOutBy("b.1"), Indices{2}) << "what follows the dot is no extension";
+    EXPECT_EQ(heldOutBy("b.1.png"), Indices{2});
+    EXPECT_EQ(heldOutBy("b.png"), Indices{3});
+    EXPECT_EQ(heldOutBy(longName + "2.png"), Indices{5});
+    EXPECT_EQ(heldOutBy("c d"), Indices{6}) << "both become c-d";
+    for (const std::string& unknown : {std::string("b.2"), std::string("IMG 0002.png"), std::string("b.jpg"), longName})
+        EXPECT_NE(failureOf<Failure>([&] { heldOutBy(unknown); }).find(unknown), std::string::npos) << unknown;
 }
 
 } // namespace
