@@ -15,6 +15,9 @@ namespace scene {
 inline constexpr int kFaceCount = 6;
 inline constexpr std::array<const char*, kFaceCount> kFaceNames{"front", "left", "back", "right", "up", "down"};
 
+/// Further images of a face, SCAN-front-2 and so on, for points that share a pixel but not a surface: at most.
+inline constexpr int kMostFurtherLayers = 8;
+
 /// So much further than 90 degrees a face reaches on each side, so that no seam opens between the meshes of two faces.
 inline constexpr int kMeshOverlapPixels = 2;
 

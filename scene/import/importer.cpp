@@ -236,8 +236,12 @@ Capture openCapture(std::span<const std::filesystem::path> inputs) {
     makeNamesUnique(capture.photos, taken);
     makeNamesUnique(capture.scans, taken);
     for (const ScanSource& scan : capture.scans)
-        for (const char* const face : kFaceNames) // the images that scans become
-            taken.insert(scan.name + "-" + face);
+        for (const char* const face : kFaceNames) { // the images that scans become
+            const std::string image = scan.name + "-" + face;
+            taken.insert(image);
+            for (int layer = 2; layer <= kMostFurtherLayers + 1; ++layer)
+                taken.insert(image + "-" + std::to_string(layer));
+        }
     makeNamesUnique(capture.scanPhotos, taken);
     for (const PhotoSource& photo : capture.photos) {
         requirePlausible(photo.camera, photo.name, photo.colourPath);

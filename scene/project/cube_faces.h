@@ -3,6 +3,7 @@
 // angular density. Nyland et al. 1999, section 4.3 (planar projection), for scans on a regular grid and for
 // loose points.
 
+#include "scene/cube.h"
 #include "scene/depth_image.h"
 #include "scene/scan.h"
 
@@ -12,10 +13,10 @@
 namespace scene {
 
 struct CubeFaceOptions {
-    int maxFaceSize = 16384;   ///< pixels; a denser scan is projected at this size and the report says so
-    double sameSurface = 0.02; ///< relative range difference up to which neighbours are one surface
-    int maxLayers = 8;         ///< further images of a face for points that share a pixel but not a surface
-    bool opensSky = false;     ///< the scan was taken under the open sky (scene/project/open_sky.h): isOpenSky samples
+    int maxFaceSize = 16384;            ///< pixels; a denser scan is projected at this size and the report says so
+    double sameSurface = 0.02;          ///< relative range difference up to which neighbours are one surface
+    int maxLayers = kMostFurtherLayers; ///< further images of a face for points that share a pixel but not a surface
+    bool opensSky = false; ///< the scan was taken under the open sky (scene/project/open_sky.h): isOpenSky samples
 };
 
 /// What became of the points.

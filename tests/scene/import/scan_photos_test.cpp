@@ -66,6 +66,18 @@ TEST(ScanPhotosOfAFile, AreHeldOutByTheNamesTheFileHas) {
     EXPECT_THAT(findHeldOut(capture, (folder / "names.txt").string()).scanPhotos, testing::ElementsAre(1));
 }
 
+TEST(ScanPhotosOfAFile, AreNotCalledAsAnImageOfAScanIs) {
+    const TemporaryFolder folder;
+    std::vector<WrittenImage> images;
+    for (const char* name : {"station-front", "station-front-2", "station-down-9", "station-down-10", "station-top-2"})
+        images.push_back(imageOf(name, "pinholeRepresentation", WrittenPose{}));
+    std::vector<std::string> names;
+    for (const ScanPhoto& photo : captureOf(folder, images).scanPhotos)
+        names.push_back(photo.name);
+    EXPECT_THAT(names, testing::ElementsAre("station-front-10", "station-front-2-2", "station-down-9-2",
+                                            "station-down-10", "station-top-2"));
+}
+
 TEST(ScanPhotosOfAFile, AFileWithoutPhotographsHasNothingToSay) {
     const TemporaryFolder folder;
     const Capture capture = captureOf(folder, {});
