@@ -9,6 +9,7 @@
 #include <cfloat>
 #include <cmath>
 #include <limits>
+#include <span>
 
 #include <glm/common.hpp>
 #include <glm/vector_relational.hpp>
@@ -200,14 +201,18 @@ class Colours {
         }
     }
 
-    // Without declared limits the largest value of the first block tells floats of 0..1, bytes and 16 bit
-    // numbers apart.
-    void guessLimits(const Records& records, std::size_t count) {
-        if (!hasColour) return;
+    // Without declared limits the largest value of the first block with coloured points tells floats of 0..1, bytes
+    // and 16 bit numbers apart. What writers leave in records that are marked invalid tells nothing.
+    void guessLimits(const Records& records, std::span<const std::size_t> valid) {
+        if (!hasColour || isGuessed_) return;
         double largest = 0;
-        for (const Field field : {kRed, kGreen, kBlue})
-            for (std::size_t i = 0; i < count; ++i)
+        for (const std::size_t i : valid) {
+            if (records.marked(kColourInvalid, i)) continue;
+            isGuessed_ = true;
+            for (const Field field : {kRed, kGreen, kBlue})
                 if (std::isfinite(records(field, i))) largest = std::max(largest, records(field, i));
+        }
+        if (!isGuessed_) return;
         for (Limits& channel : channels_)
             if (!channel.known()) channel = {0.0, largest <= 1.0 ? 1.0 : largest <= 255.0 ? 255.0 : 65535.0};
     }
@@ -239,7 +244,7 @@ class Colours {
     bool hasColour = false;
 
   private:
-    bool hasIntensity_ = false;
+    bool hasIntensity_ = false, isGuessed_ = false;
     Limits channels_[3], intensity_;
     Limits observed_{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
     std::vector<float> brightness_;
@@ -295,7 +300,7 @@ ScanWithIntensity readAs(const ScanSource& source, bool wantsIntensity) {
         scan.pointsInScanner.reserve(expected);
         scan.colours.reserve(expected);
         if (gridded) scan.row.reserve(expected), scan.column.reserve(expected);
-        std::optional<glm::dvec3> origin;
+        PointsAboutOrigin aboutOrigin(scan.pointsInScanner);
         std::vector<glm::dvec3> block;
         std::vector<std::size_t> valid;
         std::int64_t done = 0;
@@ -310,12 +315,9 @@ ScanWithIntensity readAs(const ScanSource& source, bool wantsIntensity) {
                 block.push_back(p);
                 valid.push_back(i);
             }
-            if (done == 0) {
-                origin = localOrigin(block); // the first 65536 points stand for all: memory stays bounded
-                colours.guessLimits(records, n);
-            }
+            colours.guessLimits(records, valid);
             for (std::size_t k = 0; k < valid.size(); ++k) {
-                scan.pointsInScanner.emplace_back(glm::vec3(block[k] - origin.value_or(glm::dvec3(0.0))));
+                aboutOrigin.add(block[k]);
                 colours.add(records, valid[k], scan);
                 if (!gridded) continue;
                 const double row = records(kRow, valid[k]), column = records(kColumn, valid[k]);
@@ -331,6 +333,7 @@ ScanWithIntensity readAs(const ScanSource& source, bool wantsIntensity) {
             throw Failure("scan '" + source.name + "' holds only " + std::to_string(done) + " of the " +
                               std::to_string(count) + " points it claims",
                           source.path, kPointsDamaged);
+        const std::optional<glm::dvec3> origin = aboutOrigin.finish();
         scan.invalidPoints = count - static_cast<std::int64_t>(scan.pointsInScanner.size());
         colours.finish(scan);
         if (origin) scan.worldFromScanner.translation = scan.worldFromScanner * *origin;

@@ -25,4 +25,27 @@ std::optional<glm::dvec3> localOrigin(std::span<const glm::dvec3> points) {
     return centre;
 }
 
+void PointsAboutOrigin::add(const glm::dvec3& p) {
+    if (isDecided_) {
+        points_.emplace_back(glm::vec3(p - shift_));
+        return;
+    }
+    waiting_.push_back(p);
+    if (waiting_.size() == kDeciding) decide();
+}
+
+std::optional<glm::dvec3> PointsAboutOrigin::finish() {
+    if (!isDecided_) decide();
+    return origin_;
+}
+
+void PointsAboutOrigin::decide() {
+    isDecided_ = true;
+    origin_ = localOrigin(waiting_);
+    shift_ = origin_.value_or(glm::dvec3(0.0));
+    for (const glm::dvec3& p : waiting_)
+        points_.emplace_back(glm::vec3(p - shift_));
+    waiting_ = {};
+}
+
 } // namespace scene

@@ -19,7 +19,6 @@ namespace scene {
 namespace {
 
 constexpr std::uint64_t kShortestPointBytes = 6; ///< "0 0 0\n"
-constexpr std::size_t kOriginSample = 1 << 16;   ///< points that decide where the origin stands
 /// Six decimals are usual and three do occur; beyond this it is no rotation.
 constexpr double kPtxRotationTolerance = 2e-3;
 
@@ -127,7 +126,7 @@ std::uint8_t colourByte(double value) {
 // The points of one cloud as its lines bring them.
 class Cloud {
   public:
-    Cloud(const PtxHeader& header, Scan& scan) : header_(header), scan_(scan) {}
+    Cloud(const PtxHeader& header, Scan& scan) : header_(header), scan_(scan), points_(scan.pointsInScanner) {}
 
     void add(std::int64_t cell, std::span<const double> numbers) {
         if (numbers[0] == 0 && numbers[1] == 0 && numbers[2] == 0) return; // no return
@@ -146,40 +145,25 @@ class Cloud {
         if (!scan_.hasColour) intensities_.push_back(hasIntensity ? static_cast<float>(numbers[3]) : NAN);
         scan_.row.push_back(static_cast<std::int32_t>(cell % header_.rows));
         scan_.column.push_back(static_cast<std::int32_t>(cell / header_.rows));
-        if (origin_ || decided_) {
-            scan_.pointsInScanner.emplace_back(glm::vec3(p - origin_.value_or(glm::dvec3(0.0))));
-        } else {
-            waiting_.push_back(p);
-            if (waiting_.size() == kOriginSample) decideOrigin();
-        }
+        points_.add(p);
     }
 
     void finish() {
-        if (!decided_) decideOrigin();
+        const std::optional<glm::dvec3> origin = points_.finish();
         if (!scan_.hasColour) colourByIntensity(intensities_, scan_);
         scan_.rows = header_.rows;
         scan_.columns = header_.columns;
-        if (!origin_) return;
-        scan_.worldFromScanner.translation = scan_.worldFromScanner * *origin_;
+        if (!origin) return;
+        scan_.worldFromScanner.translation = scan_.worldFromScanner * *origin;
         scan_.rows = scan_.columns = 0;
         scan_.row = {};
         scan_.column = {};
     }
 
   private:
-    void decideOrigin() {
-        decided_ = true;
-        origin_ = localOrigin(waiting_);
-        for (const glm::dvec3& p : waiting_)
-            scan_.pointsInScanner.emplace_back(glm::vec3(p - origin_.value_or(glm::dvec3(0.0))));
-        waiting_ = {};
-    }
-
     const PtxHeader& header_;
     Scan& scan_;
-    bool decided_ = false;
-    std::optional<glm::dvec3> origin_;
-    std::vector<glm::dvec3> waiting_;
+    PointsAboutOrigin points_;
     std::vector<float> intensities_;
 };
 

@@ -196,6 +196,36 @@ TEST_F(E57, NationalGridOffsetsMoveIntoThePose) {
     }
 }
 
+// Scanners that begin with the sky write more records than a block holds before the first that is valid.
+TEST_F(E57, WhatIsInvalidDecidesNeitherTheOriginNorTheColours) {
+    constexpr std::size_t kSky = 70000, kPoints = 100;
+    const glm::dvec3 grid(683123.0, 5247456.0, 412.0);
+    std::vector<double> x(kSky, 0.0), y(kSky, 0.0), z(kSky, 0.0), invalid(kSky, 2.0), red(kSky, 65535.0);
+    std::vector<double> noColour(kSky, 0.0);
+    for (std::size_t i = 0; i < kPoints; ++i) {
+        const double step = static_cast<double>(i);
+        x.push_back(grid.x + 0.0001 * step), y.push_back(grid.y - 5 + 0.1 * step), z.push_back(grid.z + 0.01 * step);
+        invalid.push_back(0);
+        red.push_back(i == 0 ? 60000 : 102); // of the first it is said that it is none
+        noColour.push_back(i == 0);
+    }
+    red.back() = 255;
+    WrittenScan written{"sky", {}, cartesian(x, y, z)};
+    written.fields.push_back({"cartesianInvalidState", NumberType::integer, invalid, 0, 2});
+    for (const char* name : {"colorRed", "colorGreen", "colorBlue"})
+        written.fields.push_back({name, NumberType::float32, red});
+    written.fields.push_back({"isColorInvalid", NumberType::integer, noColour, 0, 1});
+    const Scan scan = readOne(written);
+    ASSERT_EQ(scan.pointsInScanner.size(), kPoints);
+    EXPECT_EQ(scan.invalidPoints, std::int64_t{kSky});
+    for (std::size_t i = 0; i < kPoints; ++i) {
+        const glm::dvec3 inWorld = scan.worldFromScanner * glm::dvec3(scan.pointsInScanner[i]);
+        EXPECT_LT(glm::distance(inWorld, glm::dvec3(x[kSky + i], y[kSky + i], z[kSky + i])), 1e-5) << "point " << i;
+    }
+    EXPECT_EQ(scan.colours[0], (Rgb8{128, 128, 128}));
+    EXPECT_EQ(scan.colours[1], (Rgb8{102, 102, 102})) << "bytes, not 16 bit numbers";
+}
+
 TEST_F(E57, FarPointsOfAScannerStayAboutIt) {
     std::vector<double> x, y, z;
     for (int i = 0; i < 100; ++i)
