@@ -65,9 +65,12 @@ class FolderLock {
   public:
     explicit FolderLock(const std::filesystem::path& folder)
         : descriptor_(open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {
-        if (descriptor_ < 0 || flock(descriptor_, LOCK_EX) != 0) {
-            if (descriptor_ >= 0) close(descriptor_);
-            throw scene::Failure("cannot be opened", folder, "check that the scene is still there");
+        if (descriptor_ < 0) throw scene::Failure("cannot be opened", folder, "check that the scene is still there");
+        try {
+            takeLock(descriptor_, LOCK_EX, folder);
+        } catch (...) {
+            close(descriptor_);
+            throw;
         }
     }
     ~FolderLock() { close(descriptor_); }

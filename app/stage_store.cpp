@@ -3,7 +3,9 @@
 #include "scene/errors.h"
 #include "scene/unfinished_file.h"
 
+#include <cerrno>
 #include <cstdio>
+#include <cstring>
 #include <fstream>
 
 #include <fcntl.h>
@@ -51,15 +53,30 @@ nlohmann::json fingerprintOf(const std::filesystem::path& file) {
     return {std::filesystem::absolute(file).string(), error ? 0 : size, error ? 0 : time.time_since_epoch().count()};
 }
 
+Lock takeLock(int descriptor, int how, const std::filesystem::path& where) {
+    while (flock(descriptor, how) != 0) {
+        const int error = errno;
+        if (error == EWOULDBLOCK) return Lock::ofAnother;
+        if (error == ENOLCK || error == ENOSYS || error == EOPNOTSUPP) return Lock::none; // as of some networks
+        if (error != EINTR)
+            throw scene::Failure(std::string("cannot be locked (") + std::strerror(error) + ")", where,
+                                 "check the disk, or keep the scene on another");
+    }
+    return Lock::held;
+}
+
 StageStore::StageStore(std::filesystem::path folder) : folder_(std::move(folder)) {
     makeFolder(folder_);
     const std::filesystem::path lockFile = folder_ / "lock";
     lock_ = open(lockFile.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
     if (lock_ < 0) throw scene::Failure("cannot be written", lockFile, scene::kWriteRemedy);
-    if (flock(lock_, LOCK_EX | LOCK_NB) != 0) {
+    try {
+        if (takeLock(lock_, LOCK_EX | LOCK_NB, lockFile) == Lock::ofAnother)
+            throw scene::Failure("another build is writing this scene", folder_,
+                                 "wait for it to end, or give another name with -o");
+    } catch (...) {
         close(lock_);
-        throw scene::Failure("another build is writing this scene", folder_,
-                             "wait for it to end, or give another name with -o");
+        throw;
     }
 }
 

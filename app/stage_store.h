@@ -18,6 +18,14 @@ std::string keyOf(const nlohmann::json& inputAndOptions);
 /// A file or folder of which a stage's result depends: path, size and time of last change.
 nlohmann::json fingerprintOf(const std::filesystem::path& file);
 
+enum class Lock {
+    held,
+    ofAnother, ///< who was not waited for
+    none,      ///< the file system has none: one goes on without
+};
+/// What flock says of an open file or folder; how: as flock has it. Throws scene::Failure where it fails otherwise.
+Lock takeLock(int descriptor, int how, const std::filesystem::path& where);
+
 class StageStore {
   public:
     /// Throws scene::Failure if the folder cannot be made or another build uses it.

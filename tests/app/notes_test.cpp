@@ -3,10 +3,13 @@
 #include "app/notes.h"
 
 #include "scene/errors.h"
+#include "tests/app/refused_lock.h"
 #include "tests/repetitions.h"
 #include "tests/scene/scratch_folder.h"
 
+#include <cerrno>
 #include <cmath>
+#include <cstring>
 #include <thread>
 
 #include <gtest/gtest.h>
@@ -230,6 +233,19 @@ TEST_F(NotesOnDisk, AFolderThatIsGoneIsSaidInOneLine) {
     NotesFile file(scratch_ / "gone");
     EXPECT_TRUE(file.read().list.empty());
     EXPECT_NE(failureOf<Failure>([&] { file.write(someNotes()); }), "");
+}
+
+TEST_F(NotesOnDisk, AreKeptWhereNothingCanBeLocked) {
+    NotesFile mine(scratch_.path());
+    mine.read();
+    {
+        const RefusedLock refused(EOPNOTSUPP);
+        EXPECT_EQ(failureOf<Failure>([&] { mine.write(someNotes()); }), "");
+    }
+    EXPECT_EQ(NotesFile(scratch_.path()).read().list.size(), someNotes().list.size());
+    const RefusedLock refused(EIO);
+    const std::string said = failureOf<Failure>([&] { mine.write({}); });
+    EXPECT_NE(said.find(std::string("cannot be locked (") + std::strerror(EIO) + "); "), std::string::npos) << said;
 }
 
 TEST(NoteLabels, SayKindNumberAndMetres) {

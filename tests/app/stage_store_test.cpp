@@ -1,17 +1,28 @@
 #include "app/stage_store.h"
 
 #include "scene/errors.h"
+#include "tests/app/refused_lock.h"
 #include "tests/scene/scratch_folder.h"
 
+#include <cerrno>
 #include <chrono>
 #include <cmath>
+#include <cstring>
 #include <set>
 #include <stdexcept>
 
 #include <gtest/gtest.h>
 
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
+
+/// In place of the system's own.
+extern "C" int flock(int descriptor, int how) noexcept {
+    if (app::RefusedLock::errorOfAll == 0) return static_cast<int>(syscall(SYS_flock, descriptor, how));
+    errno = app::RefusedLock::errorOfAll;
+    return -1;
+}
 
 namespace app {
 namespace {
@@ -137,6 +148,20 @@ TEST_F(Stages, ASecondProcessIsRefused) {
         EXPECT_NE(opened(), "") << "a child that ended must not take the lock with it";
     }
     EXPECT_EQ(opened(), "") << "it is free when the build is over";
+}
+
+TEST_F(Stages, OnlyALockOfAnotherIsAnotherBuild) {
+    const auto openedWhere = [&](int error) {
+        const RefusedLock refused(error);
+        return failureOf<Failure>([&] { StageStore store(folder()); });
+    };
+    EXPECT_NE(openedWhere(EWOULDBLOCK).find("another build"), std::string::npos);
+    for (const int error : {ENOLCK, ENOSYS, EOPNOTSUPP})
+        EXPECT_EQ(openedWhere(error), "") << std::strerror(error) << ": one goes on without";
+    const std::string said = openedWhere(EIO);
+    EXPECT_NE(said.find((folder() / "lock").string() + ": cannot be locked (" + std::strerror(EIO) + "); check"),
+              std::string::npos)
+        << said;
 }
 
 TEST_F(Stages, WhatCannotBeWrittenLeavesNothing) {
