@@ -15,6 +15,7 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <cstring>
 #include <iterator>
 
 namespace app {
@@ -190,6 +191,13 @@ scene::Failure damagedStage(const std::string& message, const std::filesystem::p
             "remove this folder and build again"};
 }
 
+/// Who has no room on the disk may have it in results of other options.
+scene::Failure withoutRoom(const std::string& message, const std::filesystem::path& work) {
+    const std::size_t colon = message.find(": "), remedy = message.size() - std::strlen(scene::kWriteRemedy);
+    return {message.substr(colon + 2, remedy - std::strlen("; ") - colon - 2), message.substr(0, colon),
+            scene::kWriteRemedy + (" (results of earlier builds in " + work.string() + " may be removed)")};
+}
+
 } // namespace
 
 void tell(scene::Capture& capture, const std::string& sentence) {
@@ -223,8 +231,9 @@ void buildScene(const BuildOptions& options) {
         runStages(capture, heldOut, options, store, output);
     } catch (const scene::Failure& failure) {
         const std::string message = failure.what();
-        if (message.starts_with(work.string() + "/") && !message.ends_with(scene::kWriteRemedy))
-            throw damagedStage(message, work);
+        const bool isAboutRoom = message.ends_with(scene::kWriteRemedy);
+        if (isAboutRoom && store.hasOlder()) throw withoutRoom(message, work);
+        if (message.starts_with(work.string() + "/") && !isAboutRoom) throw damagedStage(message, work);
         throw;
     }
 }

@@ -17,6 +17,8 @@ namespace app {
 
 namespace {
 
+constexpr const char* kUnfinishedStage = ".part"; ///< of files and folders that were begun (scene/unfinished_file.h)
+
 std::filesystem::path withSuffix(std::filesystem::path path, const char* suffix) {
     path += suffix;
     return path;
@@ -32,6 +34,12 @@ void moveInto(const std::filesystem::path& from, const std::filesystem::path& to
     std::error_code error;
     std::filesystem::rename(from, to, error);
     if (error) throw scene::Failure("cannot be renamed into place (" + error.message() + ")", to, scene::kWriteRemedy);
+}
+
+bool endsWith32Digits(const std::string& name) {
+    constexpr std::size_t kDigits = 32;
+    return name.size() > kDigits && name[name.size() - kDigits - 1] == '-' &&
+           name.find_first_not_of("0123456789abcdef", name.size() - kDigits) == std::string::npos;
 }
 
 } // namespace
@@ -71,9 +79,11 @@ StageStore::StageStore(std::filesystem::path folder) : folder_(std::move(folder)
     lock_ = open(lockFile.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
     if (lock_ < 0) throw scene::Failure("cannot be written", lockFile, scene::kWriteRemedy);
     try {
-        if (takeLock(lock_, LOCK_EX | LOCK_NB, lockFile) == Lock::ofAnother)
+        const Lock lock = takeLock(lock_, LOCK_EX | LOCK_NB, lockFile);
+        if (lock == Lock::ofAnother)
             throw scene::Failure("another build is writing this scene", folder_,
                                  "wait for it to end, or give another name with -o");
+        lookAround(lock == Lock::held);
     } catch (...) {
         close(lock_);
         throw;
@@ -82,6 +92,30 @@ StageStore::StageStore(std::filesystem::path folder) : folder_(std::move(folder)
 
 StageStore::~StageStore() {
     close(lock_);
+}
+
+void StageStore::lookAround(bool removeUnfinished) {
+    std::vector<std::filesystem::path> unfinished;
+    const auto look = [](const std::filesystem::path& in, const auto& take) {
+        std::error_code error;
+        for (std::filesystem::directory_iterator at(in, error), end; !error && at != end; at.increment(error))
+            take(*at);
+    };
+    look(folder_, [&](const std::filesystem::directory_entry& entry) {
+        // Nothing of another hand.
+        const bool isUnfinished = entry.path().extension() == kUnfinishedStage;
+        const std::filesystem::path name = isUnfinished ? entry.path().stem() : entry.path().filename();
+        if (!endsWith32Digits(name.string())) return;
+        if (isUnfinished) return unfinished.push_back(entry.path());
+        hasOlder_ = true;
+        look(entry.path(), [&](const std::filesystem::directory_entry& file) {
+            if (file.path().extension() == kUnfinishedStage) unfinished.push_back(file.path());
+        });
+    });
+    if (!removeUnfinished) return;
+    std::error_code ignored;
+    for (const std::filesystem::path& path : unfinished)
+        std::filesystem::remove_all(path, ignored);
 }
 
 std::filesystem::path StageStore::folderOf(const std::string& stage, const std::string& key) {
@@ -95,7 +129,7 @@ std::filesystem::path StageStore::find(const std::string& stage, const std::stri
     const std::filesystem::path folder = folder_ / (stage + "-" + key);
     std::error_code ignored;
     if (std::filesystem::exists(folder, ignored)) return folder;
-    const std::filesystem::path part = withSuffix(folder, ".part");
+    const std::filesystem::path part = withSuffix(folder, kUnfinishedStage);
     std::filesystem::remove_all(part, ignored);
     makeFolder(part);
     try {
@@ -124,7 +158,7 @@ void writeWhole(const std::filesystem::path& wanted, std::span<const std::byte> 
     const bool isFile = !std::filesystem::exists(there) || std::filesystem::is_regular_file(there) ||
                         std::filesystem::is_directory(there);
     const std::filesystem::path path = isFile ? endOfLinks(wanted) : wanted;
-    const std::filesystem::path part = isFile ? withSuffix(path, ".part") : path;
+    const std::filesystem::path part = isFile ? withSuffix(path, kUnfinishedStage) : path;
     std::ofstream file(part, std::ios::binary);
     file.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
     file.close();

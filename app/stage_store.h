@@ -28,7 +28,8 @@ Lock takeLock(int descriptor, int how, const std::filesystem::path& where);
 
 class StageStore {
   public:
-    /// Throws scene::Failure if the folder cannot be made or another build uses it.
+    /// What a build that was killed left unfinished is removed, unless the file system has no locks. Throws
+    /// scene::Failure if the folder cannot be made or another build uses it.
     explicit StageStore(std::filesystem::path folder);
     ~StageStore();
     StageStore(const StageStore&) = delete;
@@ -42,9 +43,15 @@ class StageStore {
     std::filesystem::path find(const std::string& stage, const std::string& key,
                                const std::function<void(const std::filesystem::path&)>& make);
 
+    /// Whether it held results of earlier builds when it was opened.
+    bool hasOlder() const { return hasOlder_; }
+
   private:
+    void lookAround(bool removeUnfinished);
+
     std::filesystem::path folder_;
     int lock_ = -1;
+    bool hasOlder_ = false;
 };
 
 /// Where a file of that name really is, or would be; the name itself if it is no link.

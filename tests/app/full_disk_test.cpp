@@ -93,6 +93,21 @@ TEST_F(FullDisk, ABuildSaysSoAndGoesOnWithMoreRoom) {
     }
 }
 
+TEST_F(FullDisk, ABuildNamesWhatOlderOnesLeft) {
+    const Outcome outcome = runInNamespace(R"(
+        mount -t tmpfs -o size=1g none "$1" || exit 99
+        "$2" build "$3" -o "$1/small.revisit" 2> /dev/null || exit 98
+        mount -o remount,size="$(df -k "$1" | awk 'NR == 2 { print $3 }')k" "$1" || exit 97
+        "$2" build "$3" -o "$1/small.revisit" --no-cull)",
+                                           {disk(), kRevisit, capture()}, scratch_);
+    EXPECT_EQ(outcome.status, 1) << outcome.output;
+    expectOneFailure(outcome.output, disk() + "/small.revisit");
+    EXPECT_NE(
+        outcome.output.find(" (results of earlier builds in " + disk() + "/small.revisit.build may be removed)\n"),
+        std::string::npos)
+        << outcome.output;
+}
+
 TEST_F(FullDisk, DrawingSaysSo) {
     const std::string frames = (scratch_ / "frames").string();
     const Outcome drawn = run({kRevisit, "render", whole(), "--out", frames, "--aux"}, scratch_.path());

@@ -133,6 +133,31 @@ TEST_F(Stages, WhatIsHalfWrittenIsMadeAgain) {
     EXPECT_FALSE(std::filesystem::exists(part));
 }
 
+TEST_F(Stages, WhatAKilledBuildLeftUnderAnyKeyIsRemoved) {
+    const std::filesystem::path photo = folder() / ("photo-" + keyOf({1}) + ".part"),
+                                tiles = folder() / ("tiles-" + keyOf({2}));
+    const std::vector<std::filesystem::path> left{photo / "image.tiff", tiles / "a.bin.part"},
+        kept{tiles / "b.bin", folder() / "notes-of-mine.part" / "a", folder() / "mine.part"};
+    const auto write = [&](const std::vector<std::filesystem::path>& files) {
+        for (const std::filesystem::path& file : files)
+            std::filesystem::create_directories(file.parent_path()), scene::writeFile(file, "x");
+    };
+    write({left[0]});
+    EXPECT_FALSE(StageStore(folder()).hasOlder());
+    EXPECT_FALSE(std::filesystem::exists(photo));
+    write(left), write(kept);
+    {
+        const RefusedLock refused(ENOLCK);
+        StageStore store(folder());
+        EXPECT_TRUE(std::filesystem::exists(left[0])) << "it may be of a build that goes on";
+    }
+    EXPECT_TRUE(StageStore(folder()).hasOlder());
+    EXPECT_FALSE(std::filesystem::exists(photo));
+    EXPECT_FALSE(std::filesystem::exists(left[1]));
+    for (const std::filesystem::path& file : kept)
+        EXPECT_TRUE(std::filesystem::exists(file)) << file;
+}
+
 TEST_F(Stages, ASecondProcessIsRefused) {
     const auto opened = [&] { return failureOf<Failure>([&] { StageStore store(folder()); }); };
     {
