@@ -5,6 +5,7 @@
 
 #include "scene/align/joint_images.h"
 #include "scene/camera_json.h"
+#include "scene/image_store.h"
 #include "scene/import/photo.h"
 
 #include <algorithm>
@@ -14,7 +15,6 @@
 #include <optional>
 
 #include <glm/geometric.hpp>
-#include <tbb/parallel_for.h>
 
 namespace app {
 
@@ -122,13 +122,13 @@ json describe(const scene::Capture& capture, const scene::JointImages& found) {
 }
 
 scene::JointImages adjust(const scene::Capture& capture, const std::vector<std::size_t>& heldOut, int shrink,
-                          const scene::JointImagesOptions& options) {
+                          const scene::JointImagesOptions& options, std::uint64_t memoryBytes) {
     const std::size_t count = capture.photos.size();
     std::vector<scene::ImageSketch> sketches(count);
     std::vector<scene::ImageOutline> outlines(count);
     {
         Progress reading("sketches", count);
-        tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
+        scene::visitEach(count, photosTogether(capture.photos, memoryBytes), [&](std::size_t i) {
             sketches[i] = scene::sketchOf(scene::readPhoto(capture.photos[i]), shrink);
             outlines[i] = outlineOf(sketches[i].depth);
             reading.advance();
@@ -165,7 +165,8 @@ json adjustPoses(scene::Capture& capture, const std::vector<std::size_t>& heldOu
     const scene::JointImagesOptions o;
     const std::string key = keyOfAdjustment(capture, heldOut, shrink->factor, o);
     const std::filesystem::path folder = store.find("poses", key, [&](const std::filesystem::path& part) {
-        writeWhole(part / "poses.json", describe(capture, adjust(capture, heldOut, shrink->factor, o)).dump());
+        writeWhole(part / "poses.json",
+                   describe(capture, adjust(capture, heldOut, shrink->factor, o, options.memoryBytes)).dump());
     });
     const json report = readJson(folder / "poses.json");
     for (std::size_t i = 0; i < capture.photos.size(); ++i) {

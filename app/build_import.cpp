@@ -146,6 +146,16 @@ scene::StoredImage storedImage(const std::filesystem::path& file) {
 
 } // namespace
 
+std::size_t photosTogether(std::span<const scene::PhotoSource> photos, std::uint64_t memoryBytes) {
+    constexpr std::uint64_t kBytesPerPixel = 32; // the pictures as they are read and the image that they become
+    std::uint64_t most = 1;
+    for (const scene::PhotoSource& photo : photos)
+        most = std::max(most, static_cast<std::uint64_t>(photo.camera.width) *
+                                  static_cast<std::uint64_t>(photo.camera.height));
+    return std::clamp(static_cast<std::size_t>(memoryBytes / 2 / (kBytesPerPixel * most)), std::size_t{1},
+                      static_cast<std::size_t>(tbb::this_task_arena::max_concurrency()));
+}
+
 json describeSource(const scene::PhotoSource& photo) {
     const scene::Camera& c = photo.camera;
     const scene::Distortion& d = photo.distortion;
@@ -193,8 +203,7 @@ ImportedImages importImages(scene::Capture& capture, const std::vector<std::size
     std::vector<std::string> keys(taken.size());
     std::vector<scene::StoredImage> photos(taken.size());
     Progress progress("import", taken.size() + capture.scans.size());
-    const auto threads = static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
-    scene::visitEach(taken.size(), threads, [&](std::size_t i) {
+    scene::visitEach(taken.size(), photosTogether(capture.photos, options.memoryBytes), [&](std::size_t i) {
         const scene::PhotoSource& photo = capture.photos[taken[i]];
         keys[i] = keyOfPhoto(photo, options);
         const std::filesystem::path folder = store.find("photo", keys[i], [&](const std::filesystem::path& part) {

@@ -15,7 +15,9 @@
 #include "scene/scan.h"
 #include "scene/scene.h"
 
+#include <cstdint>
 #include <numbers>
+#include <span>
 
 namespace app {
 
@@ -39,6 +41,8 @@ struct PolygonFigures {
 void standWhereFound(scene::Scan& scan, const scene::ScanSource& source);
 /// A scan from its file, with what was found of it.
 scene::Scan readScan(const scene::ScanSource& source);
+/// How many photographs may be read at a time within half of that memory: one at least, no more than there are threads.
+std::size_t photosTogether(std::span<const scene::PhotoSource> photos, std::uint64_t memoryBytes);
 /// What the keys of stages must know of a photograph's files, camera and pose.
 nlohmann::json describeSource(const scene::PhotoSource& photo);
 /// Says a sentence to the user now, and keeps it for scene.json and info.

@@ -21,8 +21,6 @@
 #include <stdio.h>
 #include <unistd.h>
 
-#include <tbb/parallel_for.h>
-
 namespace app {
 
 namespace {
@@ -163,12 +161,13 @@ void writeImages(const std::filesystem::path& folder, const ImportedImages& impo
 
 /// The photographs that were kept out, as depth images: what the scene is measured against (scene/scene_file.h).
 void writeHeldOut(const std::filesystem::path& folder, const scene::Capture& capture,
-                  const std::vector<std::size_t>& heldOut, const std::vector<scene::StoredImage>& ofScans) {
+                  const std::vector<std::size_t>& heldOut, const std::vector<scene::StoredImage>& ofScans,
+                  std::uint64_t memoryBytes) {
     if (heldOut.empty() && ofScans.empty()) return;
     std::error_code error;
     std::filesystem::create_directories(folder, error);
     if (error) throw scene::Failure("cannot be made (" + error.message() + ")", folder, scene::kWriteRemedy);
-    tbb::parallel_for(std::size_t{0}, heldOut.size(), [&](std::size_t i) {
+    scene::visitEach(heldOut.size(), photosTogether(capture.photos, memoryBytes), [&](std::size_t i) {
         const scene::DepthImage image = scene::readPhoto(capture.photos[heldOut[i]]);
         writeDepthTiff(image, folder / (image.name + ".tiff"));
     });
@@ -189,7 +188,7 @@ void writeScene(const std::filesystem::path& output, const scene::Capture& captu
     std::filesystem::remove_all(part, ignored);
     try {
         writeImages(part / "images", imported, tiles, options);
-        writeHeldOut(part / scene::kHeldOutFolder, capture, heldOut, heldOutOfScans);
+        writeHeldOut(part / scene::kHeldOutFolder, capture, heldOut, heldOutOfScans, options.memoryBytes);
         std::int64_t tileCount = 0, coarser = 0, quads = 0, points = 0, unmeasured = 0, facets = 0;
         std::vector<scene::WorldExtent> samplesInWorld(imported.images.size());
         const auto tilesOf = [&](std::size_t i) {

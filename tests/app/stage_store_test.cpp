@@ -1,9 +1,11 @@
 #include "app/stage_store.h"
 
+#include "app/build_stages.h"
 #include "scene/errors.h"
 #include "tests/app/refused_lock.h"
 #include "tests/scene/scratch_folder.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <chrono>
 #include <cmath>
@@ -187,6 +189,20 @@ TEST_F(Stages, OnlyALockOfAnotherIsAnotherBuild) {
     EXPECT_NE(said.find((folder() / "lock").string() + ": cannot be locked (" + std::strerror(EIO) + "); check"),
               std::string::npos)
         << said;
+}
+
+TEST(Photographs, AreReadAsManyAtATimeAsHalfTheMemoryHolds) {
+    std::vector<scene::PhotoSource> photos(3);
+    for (scene::PhotoSource& photo : photos)
+        photo.camera.width = 400, photo.camera.height = 300;
+    photos[1].camera.width = 800;
+    constexpr std::uint64_t kOne = std::uint64_t{800} * 300 * 32; // the largest
+    const std::size_t threads = photosTogether(photos, std::uint64_t{1} << 50);
+    EXPECT_EQ(threads, photosTogether({}, std::uint64_t{1} << 50));
+    EXPECT_EQ(photosTogether(photos, 0), 1u);
+    EXPECT_EQ(photosTogether(photos, 4 * kOne - 1), 1u);
+    EXPECT_EQ(photosTogether(photos, 4 * kOne), std::min<std::size_t>(2, threads));
+    EXPECT_EQ(photosTogether(photos, 8 * kOne), std::min<std::size_t>(4, threads));
 }
 
 TEST_F(Stages, WhatCannotBeWrittenLeavesNothing) {
