@@ -74,9 +74,10 @@ scene::CubeFaceOptions within(scene::CubeFaceOptions faces, std::uint64_t memory
     return faces;
 }
 
+constexpr std::uint64_t kBytesPerPoint = 48; ///< of a scan that is read, its faces with it
+
 /// How many scans may be imported at a time within that memory: reading one is the work of one thread.
 std::size_t scansTogether(std::span<const scene::ScanSource> scans, std::uint64_t memoryBytes) {
-    constexpr std::uint64_t kBytesPerPoint = 48;                // its faces with it
     constexpr std::uint64_t kAlways = std::uint64_t{512} << 20; // faces of thinly spread points are larger than that
     std::uint64_t most = 1;
     for (const scene::ScanSource& scan : scans)
@@ -177,6 +178,20 @@ void standWhereFound(scene::Scan& scan, const scene::ScanSource& source) {
     if (source.reading)
         readAnew(scan, scene::recordsOf(scan, source.reading->believed, source.name), source.reading->constants);
     if (source.registeredWorldFromScanner) scan.worldFromScanner = *source.registeredWorldFromScanner;
+}
+
+void checkScanSizes(std::span<const scene::ScanSource> scans, std::uint64_t memoryBytes) {
+    constexpr std::uint64_t kTooMany = std::uint64_t{1} << 31; // of a scan they are counted in 31 bits
+    constexpr std::uint64_t kGigabyte = std::uint64_t{1} << 30;
+    for (const scene::ScanSource& scan : scans) {
+        const auto points = static_cast<std::uint64_t>(std::max<std::int64_t>(scan.pointCount, 0));
+        if (points < kTooMany && points * kBytesPerPoint <= memoryBytes) continue;
+        throw scene::Failure(
+            "scan '" + scan.name + "' has " + std::to_string(points) + " points, and of one scan no more than " +
+                std::to_string(std::min(memoryBytes / kBytesPerPoint, kTooMany - 1)) +
+                " can be read with this computer's memory of " + std::to_string(memoryBytes / kGigabyte) + " GiB",
+            scan.path, "export each setup by itself, or thinned");
+    }
 }
 
 scene::Scan readScan(const scene::ScanSource& source) {

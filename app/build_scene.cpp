@@ -17,6 +17,9 @@
 #include <cstdio>
 #include <cstring>
 #include <iterator>
+#include <limits>
+
+#include <unistd.h>
 
 namespace app {
 
@@ -184,6 +187,13 @@ void runStages(scene::Capture& capture, const scene::HeldOut& heldOut, const Bui
                reports, options);
 }
 
+/// Of the computer; without end where the system does not say.
+std::uint64_t physicalMemoryBytes() {
+    const long pages = sysconf(_SC_PHYS_PAGES), pageBytes = sysconf(_SC_PAGE_SIZE);
+    if (pages <= 0 || pageBytes <= 0) return std::numeric_limits<std::uint64_t>::max();
+    return static_cast<std::uint64_t>(pages) * static_cast<std::uint64_t>(pageBytes);
+}
+
 /// What to throw where a file of an earlier run cannot be read: whoever wrote that reader did not know whose file it
 /// is.
 scene::Failure damagedStage(const std::string& message, const std::filesystem::path& work) {
@@ -208,6 +218,7 @@ void tell(scene::Capture& capture, const std::string& sentence) {
 void buildScene(const BuildOptions& options) {
     scene::Capture capture = scene::openCapture(options.inputs);
     checkWishes(options, capture);
+    checkScanSizes(capture.scans, physicalMemoryBytes());
     if (!options.scanner.empty()) {
         const scene::ScannerReading reading = scene::readScannerFile(options.scanner);
         for (scene::ScanSource& scan : capture.scans)

@@ -39,6 +39,8 @@ struct PolygonFigures {
 
 /// What calibration and registration found of a scan that was read from its file.
 void standWhereFound(scene::Scan& scan, const scene::ScanSource& source);
+/// A scan is read whole. Throws scene::Failure if one has more points than that memory holds.
+void checkScanSizes(std::span<const scene::ScanSource> scans, std::uint64_t memoryBytes);
 /// A scan from its file, with what was found of it.
 scene::Scan readScan(const scene::ScanSource& source);
 /// How many photographs may be read at a time within half of that memory: one at least, no more than there are threads.

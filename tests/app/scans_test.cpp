@@ -6,6 +6,7 @@
 #include "tests/app/made_sample.h"
 #include "tests/app/pose_json.h"
 #include "tests/app/program.h"
+#include "tests/scene/import/written_e57.h"
 #include "tests/scene/scratch_folder.h"
 
 #include <algorithm>
@@ -114,6 +115,19 @@ TEST_F(Scans, OneWithoutPointsIsTold) {
     ASSERT_EQ(built.status, 0) << built.output;
     EXPECT_THAT(built.output, HasSubstr("note: Scan 'empty' holds no point with range"));
     EXPECT_THAT(built.output, Not(HasSubstr("rays of scan 'empty'")));
+}
+
+TEST_F(Scans, OneWithMorePointsThanCanBeReadIsRefusedAtOnce) {
+    const auto claim = [](std::string xml) {
+        const std::size_t count = xml.find("recordCount=\"") + 13;
+        return xml.replace(count, xml.find('"', count) - count, std::to_string(std::int64_t{1} << 31));
+    };
+    scene::writeBytes(path("vast.e57"), scene::withXml(scene::readBytes(path("capture/scans.e57")), claim));
+    const Outcome refused = run({kRevisit, "build", path("vast.e57"), "-o", path("vast.revisit")}, folder());
+    EXPECT_EQ(refused.status, 1) << refused.output;
+    EXPECT_THAT(refused.output, HasSubstr("vast.e57: scan 'scan1' has 2147483648 points, and of one scan no more"));
+    EXPECT_THAT(refused.output, HasSubstr("; export each setup by itself, or thinned"));
+    EXPECT_FALSE(std::filesystem::exists(path("vast.revisit.build"))) << "nothing was begun";
 }
 
 TEST_F(Scans, ThoseThatContradictEachOtherAreTold) {

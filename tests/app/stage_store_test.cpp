@@ -10,6 +10,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <set>
 #include <stdexcept>
 
@@ -203,6 +204,24 @@ TEST(Photographs, AreReadAsManyAtATimeAsHalfTheMemoryHolds) {
     EXPECT_EQ(photosTogether(photos, 4 * kOne - 1), 1u);
     EXPECT_EQ(photosTogether(photos, 4 * kOne), std::min<std::size_t>(2, threads));
     EXPECT_EQ(photosTogether(photos, 8 * kOne), std::min<std::size_t>(4, threads));
+}
+
+TEST(ScansOfABuild, ThatNoMemoryHoldsAreRefusedBeforeTheyAreRead) {
+    std::vector<scene::ScanSource> scans(2);
+    scans[1].name = "hall", scans[1].path = "site.e57";
+    const auto saidOf = [&](std::int64_t points, std::uint64_t memoryBytes) {
+        scans[1].pointCount = points;
+        return failureOf<Failure>([&] { checkScanSizes(scans, memoryBytes); });
+    };
+    constexpr std::uint64_t kGiB = std::uint64_t{1} << 30;
+    EXPECT_EQ(saidOf(1'000'000'000, std::uint64_t{48'000'000'000}), "");
+    EXPECT_EQ(saidOf(-1, kGiB), "");
+    EXPECT_EQ(saidOf(1'500'000'000, 64 * kGiB),
+              "site.e57: scan 'hall' has 1500000000 points, and of one scan no more than 1431655765 can be read with "
+              "this computer's memory of 64 GiB; export each setup by itself, or thinned");
+    EXPECT_EQ(saidOf((std::int64_t{1} << 31) - 1, 1024 * kGiB), "");
+    EXPECT_NE(saidOf(std::int64_t{1} << 31, 1024 * kGiB).find("no more than 2147483647 can"), std::string::npos);
+    EXPECT_NE(saidOf(std::numeric_limits<std::int64_t>::max(), 1024 * kGiB), "");
 }
 
 TEST_F(Stages, WhatCannotBeWrittenLeavesNothing) {
