@@ -232,10 +232,9 @@ void buildScene(const BuildOptions& options) {
         sayNote(remark);
     sayIfAtOnePlace(options, capture);
 
-    std::filesystem::path work = std::filesystem::absolute(options.output).lexically_normal();
-    if (!work.has_filename()) work = work.parent_path();
-    const std::filesystem::path output = work;
+    const std::filesystem::path output = placeOfScene(options.output);
     checkReplaceable(output, options.inputs);
+    std::filesystem::path work = output;
     work += ".build";
     StageStore store(work);
     try {

@@ -14,11 +14,6 @@
 #include "scene/scene_file.h"
 #include "scene/unfinished_file.h"
 
-#include <cerrno>
-#include <cstring>
-
-#include <fcntl.h>
-#include <stdio.h>
 #include <unistd.h>
 
 namespace app {
@@ -111,21 +106,6 @@ json describePolygons(const PolygonFigures& polygons, const BuildOptions& option
 /// Paths need not be UTF-8, JSON must.
 std::string textOf(const json& manifest) {
     return manifest.dump(1, ' ', false, json::error_handler_t::replace) + "\n";
-}
-
-/// Puts a whole folder in place of another in one step; nothing else ever stands under the name.
-void putInPlace(const std::filesystem::path& part, const std::filesystem::path& output) {
-    std::error_code ignored;
-    if (!std::filesystem::exists(output, ignored)) {
-        if (::rename(part.c_str(), output.c_str()) != 0)
-            throw scene::Failure(std::string("cannot be renamed into place (") + std::strerror(errno) + ")", output,
-                                 scene::kWriteRemedy);
-        return;
-    }
-    if (renameat2(AT_FDCWD, part.c_str(), AT_FDCWD, output.c_str(), RENAME_EXCHANGE) != 0)
-        throw scene::Failure(std::string("cannot be exchanged for the new scene (") + std::strerror(errno) + ")",
-                             output, "remove the old scene, or give another name with -o");
-    std::filesystem::remove_all(part, ignored);
 }
 
 void copyFile(const std::filesystem::path& from, const std::filesystem::path& to) {

@@ -5,8 +5,11 @@
 #include "scene/coverage.h"
 #include "scene/errors.h"
 #include "scene/scene_file.h"
+#include "scene/unfinished_file.h"
 
 #include <algorithm>
+#include <cerrno>
+#include <cstring>
 #include <fstream>
 #include <optional>
 #include <set>
@@ -15,6 +18,11 @@
 #include <vector>
 
 #include <nlohmann/json.hpp>
+
+#include <fcntl.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <sys/stat.h>
 
 namespace app {
 
@@ -101,6 +109,50 @@ void checkFolder(const fs::path& folder, std::span<const fs::path> inputs) {
                              std::string("move it elsewhere, or ") + kOtherName);
 }
 
+/// What is mounted cannot be renamed.
+bool isMountPoint(const fs::path& folder) {
+    struct statx own {
+    }, parent{};
+    if (statx(AT_FDCWD, folder.c_str(), 0, STATX_TYPE, &own) != 0) return false;
+    if ((own.stx_attributes & STATX_ATTR_MOUNT_ROOT) != 0) return true; // of the same disk, too
+    if (statx(AT_FDCWD, (folder / "..").c_str(), 0, STATX_TYPE, &parent) != 0) return false;
+    return own.stx_dev_major != parent.stx_dev_major || own.stx_dev_minor != parent.stx_dev_minor;
+}
+
+scene::Failure notExchanged(const fs::path& output, int error) {
+    return {std::string("cannot be exchanged for the new scene (") + std::strerror(error) + ")", output,
+            "remove the old scene, or give another name with -o"};
+}
+
+void putWhereNothingIs(const fs::path& part, const fs::path& output) {
+    if (::rename(part.c_str(), output.c_str()) != 0)
+        throw scene::Failure(std::string("cannot be renamed into place (") + std::strerror(errno) + ")", output,
+                             scene::kWriteRemedy);
+}
+
+/// In two steps; where the second fails the older scene is put back.
+void putInPlaceOfMoved(const fs::path& part, const fs::path& output) {
+    std::string aside = output.string() + ".old-XXXXXX";
+    if (mkdtemp(aside.data()) == nullptr) throw notExchanged(output, errno);
+    const fs::path older = fs::path(aside) / output.filename();
+    std::error_code ignored;
+    if (::rename(output.c_str(), older.c_str()) != 0) {
+        const int error = errno;
+        fs::remove(aside, ignored);
+        throw notExchanged(output, error);
+    }
+    try {
+        putWhereNothingIs(part, output);
+    } catch (...) {
+        if (::rename(older.c_str(), output.c_str()) != 0)
+            throw scene::Failure("neither the new scene nor the older one can be put there", output,
+                                 "move the older one back from " + older.string());
+        fs::remove(aside, ignored);
+        throw;
+    }
+    fs::remove_all(aside, ignored);
+}
+
 } // namespace
 
 fs::path unfinishedSceneOf(const fs::path& output) {
@@ -122,12 +174,35 @@ void checkReplaceable(const fs::path& output, std::span<const fs::path> inputs) 
             throw scene::Failure("is a link to what does not exist", output, kOtherName);
         return;
     }
+    if (isMountPoint(output))
+        throw scene::Failure("is where a disk is mounted, and no other folder can be put in its place", output,
+                             "name a folder inside it with -o");
     const bool isScene =
         fs::is_directory(output, ignored) && (!manifestOf(output).is_null() || fs::is_empty(output, ignored));
     if (!isScene)
         throw scene::Failure("exists and is no scene", output,
                              std::string(kOtherName) + ", or move it away if it was one and is damaged");
     checkFolder(output, inputs);
+}
+
+fs::path placeOfScene(const fs::path& output) {
+    fs::path place = fs::absolute(output).lexically_normal();
+    if (!place.has_filename()) place = place.parent_path();
+    std::error_code error;
+    if (!fs::is_symlink(fs::symlink_status(place, error))) return place;
+    const fs::path end = fs::canonical(place, error);
+    return error ? place : end; // what leads nowhere is refused
+}
+
+void putInPlace(const fs::path& part, const fs::path& output) {
+    std::error_code ignored;
+    if (!fs::exists(output, ignored)) return putWhereNothingIs(part, output);
+    if (renameat2(AT_FDCWD, part.c_str(), AT_FDCWD, output.c_str(), RENAME_EXCHANGE) == 0) {
+        fs::remove_all(part, ignored);
+        return;
+    }
+    if (errno == EINVAL || errno == ENOSYS) return putInPlaceOfMoved(part, output);
+    throw notExchanged(output, errno);
 }
 
 } // namespace app

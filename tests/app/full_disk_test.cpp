@@ -108,6 +108,17 @@ TEST_F(FullDisk, ABuildNamesWhatOlderOnesLeft) {
         << outcome.output;
 }
 
+TEST_F(FullDisk, ASceneIsNotPutInPlaceOfTheDisk) {
+    for (const char* mount : {"mount -t tmpfs none \"$1\"", "mount --bind \"$1\" \"$1\""}) {
+        const Outcome outcome = runInNamespace(std::string(mount) + R"( || exit 99; exec "$2" build "$3" -o "$1")",
+                                               {disk(), kRevisit, capture()}, scratch_);
+        EXPECT_EQ(outcome.status, 1) << mount << "\n" << outcome.output;
+        EXPECT_NE(outcome.output.find(disk() + ": is where a disk is mounted"), std::string::npos) << outcome.output;
+        EXPECT_EQ(std::count(outcome.output.begin(), outcome.output.end(), '\n'), 1) << "at once: " << outcome.output;
+        EXPECT_FALSE(std::filesystem::exists(disk() + ".build"));
+    }
+}
+
 TEST_F(FullDisk, DrawingSaysSo) {
     const std::string frames = (scratch_ / "frames").string();
     const Outcome drawn = run({kRevisit, "render", whole(), "--out", frames, "--aux"}, scratch_.path());

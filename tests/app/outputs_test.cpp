@@ -109,6 +109,19 @@ TEST_F(Outputs, ARecordGoesWhereALinkLeadsAndIntoADevice) {
     EXPECT_TRUE(fs::is_character_file("/dev/null"));
 }
 
+TEST_F(Outputs, ASceneGoesWhereALinkLeads) {
+    fs::create_directory(at("other-disk"));
+    fs::copy(sampleRoom().scene(), at("other-disk/room.revisit"), fs::copy_options::recursive);
+    fs::create_directory_symlink("other-disk/room.revisit", at("link.revisit"));
+    scene::writeFile(at("link.revisit/start.json"), "{}");
+    scene::writeFile(at("link.revisit/tiles.bin"), "to be replaced");
+    const Outcome built = revisit({"build", sampleRoom().capture(), "-o", at("link.revisit")});
+    ASSERT_EQ(built.status, 0) << built.output;
+    EXPECT_TRUE(fs::is_symlink(at("link.revisit")));
+    EXPECT_GT(fs::file_size(at("other-disk/room.revisit/tiles.bin")), 1000u);
+    EXPECT_EQ(scene::bytesOfFile(at("other-disk/room.revisit/start.json")), "{}");
+}
+
 TEST_F(Outputs, WhatCannotBeWrittenToStandardOutputIsNoSuccess) {
     for (const std::string command : {"--help", "info --json "}) {
         const std::string whole = command + (command[0] == 'i' ? sampleRoom().scene() : std::string());

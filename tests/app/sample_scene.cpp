@@ -24,11 +24,10 @@ void prepare(const std::string& capture, const std::string& scene, const std::fi
 }
 
 SampleScene::SampleScene(const std::string& kind, int images, const std::string& size) {
-    const std::string capture = (folder_ / "capture").string();
     const Outcome made =
-        makeSample({capture, "--scene", kind, "--images", std::to_string(images), "--size", size}, folder_.path());
+        makeSample({capture(), "--scene", kind, "--images", std::to_string(images), "--size", size}, folder_.path());
     if (made.status != 0) throw std::runtime_error("make_sample failed:\n" + made.output);
-    prepare(capture, scene(), folder_.path(), {});
+    prepare(capture(), scene(), folder_.path(), {});
 }
 
 } // namespace app

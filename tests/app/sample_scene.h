@@ -13,6 +13,7 @@ class SampleScene {
     /// kind, images and size as make_sample has them. Throws std::runtime_error with what the programs said.
     SampleScene(const std::string& kind, int images, const std::string& size);
 
+    std::string capture() const { return (folder_ / "capture").string(); }
     std::string scene() const { return (folder_ / "sample.revisit").string(); }
 
   private:
