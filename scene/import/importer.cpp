@@ -68,7 +68,7 @@ void openInput(const std::filesystem::path& input, Capture& capture) {
     const std::string extension = lowerCaseExtension(input);
     if (extension == ".json") return listTransformsJson(input, capture);
     if (extension == ".e57") return openE57Input(input, capture);
-    if (extension == ".ptx") return append(capture.scans, listPtx(input));
+    if (extension == ".ptx") return append(capture.scans, listPtx(input, capture.remarks));
     if (isPolygonFile(input)) return capture.polygons.push_back(input);
     throw Failure(
         "format " + (extension.empty() ? std::string("without an extension") : extension) + " is not known", input,

@@ -9,8 +9,10 @@
 #include <array>
 #include <cfloat>
 #include <cmath>
+#include <iomanip>
 #include <limits>
 #include <set>
+#include <sstream>
 
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
@@ -21,6 +23,7 @@ namespace {
 constexpr std::uint64_t kShortestPointBytes = 6; ///< "0 0 0\n"
 /// Six decimals are usual and three do occur; beyond this it is no rotation.
 constexpr double kPtxRotationTolerance = 2e-3;
+constexpr double kToldScale = 1e-5; ///< six decimals give no more than a tenth of it by themselves
 
 const char* const kExportAgain = "export the scan again";
 
@@ -28,7 +31,8 @@ struct PtxHeader {
     int rows = 0, columns = 0;
     Pose worldFromScanner;
     glm::dvec3 scannerInPoints{0.0};
-    double scale = 1.0; ///< pInScanner = scale * (p - scannerInPoints)
+    double givenScale = 1.0; ///< as the transform has it
+    double scale = 1.0;      ///< pInScanner = scale * (p - scannerInPoints)
 };
 
 int parseCount(std::string_view text, const std::string& where, const char* what) {
@@ -63,6 +67,7 @@ void settleTransform(const glm::dmat4& worldFromPoints, const glm::dvec3& scanne
     if (!poseFromMatrix(rigid, kPtxRotationTolerance, header.worldFromScanner))
         throw Failure("the transform that ends here does not turn and move its cloud but bends it", where,
                       "export the scan with a rigid registration");
+    header.givenScale = header.scale;
     if (std::abs(header.scale - 1.0) < kPtxRotationTolerance) header.scale = 1.0;
     const bool pointsAreInWorld = worldFromPoints == glm::dmat4(1.0) && scannerInWorld != glm::dvec3(0.0);
     if (!pointsAreInWorld) return;
@@ -123,6 +128,24 @@ std::uint8_t colourByte(double value) {
     return std::isfinite(value) ? static_cast<std::uint8_t>(std::clamp(value, 0.0, 255.0)) : std::uint8_t{128};
 }
 
+// Clouds whose transforms scale and were all treated alike; the first by its number, counted from 1.
+struct Scaled {
+    int first = 0, count = 0;
+    double scale = 1.0;
+
+    void add(int cloud, double by) {
+        if (count++ == 0) first = cloud, scale = by;
+    }
+    void tell(const std::filesystem::path& path, const char* whatBecameOfIt, std::vector<std::string>& remarks) const {
+        if (count == 0) return;
+        std::ostringstream by;
+        by << std::setprecision(8) << scale;
+        remarks.push_back(path.string() + ": the transform of cloud " + std::to_string(first) + " scales it by " +
+                          by.str() + (count > 1 ? ", those of " + std::to_string(count - 1) + " more scale, too" : "") +
+                          "; " + whatBecameOfIt + ".");
+    }
+};
+
 // The points of one cloud as its lines bring them.
 class Cloud {
   public:
@@ -169,9 +192,10 @@ class Cloud {
 
 } // namespace
 
-std::vector<ScanSource> listPtx(const std::filesystem::path& path) {
+std::vector<ScanSource> listPtx(const std::filesystem::path& path, std::vector<std::string>& remarks) {
     TextLines lines(path, 0);
     std::vector<ScanSource> sources;
+    Scaled applied, leftOut;
     PtxHeader header;
     for (std::uint64_t start = 0; readHeader(lines, path, header); start = lines.byte()) {
         proveCount(header, lines);
@@ -185,6 +209,8 @@ std::vector<ScanSource> listPtx(const std::filesystem::path& path) {
         source.rows = header.rows;
         source.columns = header.columns;
         sources.push_back(source);
+        if (std::abs(header.givenScale - 1.0) > kToldScale)
+            (header.scale == 1.0 ? leftOut : applied).add(static_cast<int>(sources.size()), header.givenScale);
         const auto cells = static_cast<std::uint64_t>(source.pointCount);
         if (const std::uint64_t found = lines.skip(cells); found < cells)
             throw Failure("ends after " + std::to_string(found) + " of the " + std::to_string(cells) +
@@ -192,6 +218,8 @@ std::vector<ScanSource> listPtx(const std::filesystem::path& path) {
                           lines.where(), kExportAgain);
     }
     if (sources.empty()) throw Failure("is empty", path, "name a scan in E57 or PTX");
+    applied.tell(path, "its points were scaled", remarks);
+    leftOut.tell(path, "that may be rounding, and its points were left as they are", remarks);
     std::set<std::string> names;
     for (ScanSource& source : sources) {
         const std::string number = sources.size() > 1 ? "-" + std::to_string(source.indexInFile + 1) : std::string();

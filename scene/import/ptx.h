@@ -16,14 +16,15 @@
 #include "scene/scan.h"
 
 #include <filesystem>
+#include <string>
 #include <vector>
 
 namespace scene {
 
-/// The clouds of a file, found by its headers and by counting lines. Failure: not PTX, cut off, a transform
-/// that is no rigid motion (a uniform scale is taken into the points), counts that the file's bytes cannot
-/// hold.
-std::vector<ScanSource> listPtx(const std::filesystem::path& path);
+/// The clouds of a file, found by its headers and by counting lines. A uniform scale in a transform is taken into the
+/// points unless it is so near 1 that it may be rounding; a remark tells of either. Failure: not PTX, cut off, a
+/// transform that is no rigid motion, counts that the file's bytes cannot hold.
+std::vector<ScanSource> listPtx(const std::filesystem::path& path, std::vector<std::string>& remarks);
 
 /// One cloud. Points without return are absent; points that are not finite are counted in invalidPoints.
 /// Points with a national grid's offsets inside are treated as in e57.h. Failure: as listPtx, and a line that

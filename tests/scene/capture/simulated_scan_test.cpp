@@ -274,7 +274,9 @@ TEST_F(WrittenScans, WhoeverMayReadOtherFilesMayReadAnE57) {
 TEST_F(WrittenScans, PtxComesBackToATenthOfAMillimetre) {
     const ScanWithIntensity written = scanned();
     writePtx(folder_ / "a.ptx", 2, [&](std::size_t) { return written; });
-    const std::vector<ScanSource> sources = listPtx(folder_ / "a.ptx");
+    std::vector<std::string> remarks;
+    const std::vector<ScanSource> sources = listPtx(folder_ / "a.ptx", remarks);
+    EXPECT_TRUE(remarks.empty());
     ASSERT_EQ(sources.size(), 2u);
     expectSame(readPtxScan(sources[1]), written.scan, 0.0001);
 }

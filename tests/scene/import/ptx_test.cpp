@@ -26,10 +26,10 @@ class Ptx : public testing::Test {
         writeBytes(folder_ / "a.ptx", text);
         return folder_ / "a.ptx";
     }
-    Scan readOne(const std::string& text) { return readPtxScan(listPtx(file(text)).at(0)); }
+    Scan readOne(const std::string& text) { return readPtxScan(listPtx(file(text), remarks_).at(0)); }
     std::string failureOf(const std::filesystem::path& path) {
         try {
-            for (const ScanSource& source : listPtx(path)) {
+            for (const ScanSource& source : listPtx(path, remarks_)) {
                 const Scan scan = readPtxScan(source);
                 EXPECT_EQ(scan.colours.size(), scan.pointsInScanner.size());
             }
@@ -46,6 +46,7 @@ class Ptx : public testing::Test {
     }
 
     TemporaryFolder folder_;
+    std::vector<std::string> remarks_;
 };
 
 TEST_F(Ptx, PointsStandColumnByColumn) {
@@ -72,7 +73,7 @@ TEST_F(Ptx, TheTranslationIsTheLastRow) {
 
 TEST_F(Ptx, SeveralCloudsAndTheirPlaces) {
     const std::string text = "1\n2\n" + kAtHome + "1 0 0\r\n2 0 0\r\n" + "\n1\n1\n" + kTurned + "7 0 0 0.1 1 2 3";
-    const auto sources = listPtx(file(text));
+    const auto sources = listPtx(file(text), remarks_);
     ASSERT_EQ(sources.size(), 2u);
     EXPECT_EQ(sources[0].name, "a-1");
     EXPECT_EQ(sources[1].name, "a-2");
@@ -94,6 +95,29 @@ TEST_F(Ptx, AUniformScaleIsTakenIntoThePoints) {
     const Scan scan = readOne("1\n1\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n0.001 0 0 0\n0 0.001 0 0\n0 0 0.001 0\n0 0 0 1\n"
                               "1500 0 0 0.5\n");
     EXPECT_FLOAT_EQ(scan.pointsInScanner[0].x, 1.5f);
+}
+
+TEST_F(Ptx, AScaleIsToldOfWhetherItIsAppliedOrNot) {
+    const auto cloudOf = [](const std::string& scale) {
+        return "1\n1\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n" + scale + " 0 0 0\n0 " + scale + " 0 0\n0 0 " + scale +
+               " 0\n0 0 0 1\n2 0 0 0.5\n";
+    };
+    const auto expectTold = [&](const std::string& text, float x, const std::vector<std::string>& told) {
+        remarks_.clear();
+        EXPECT_FLOAT_EQ(readOne(text).pointsInScanner[0].x, x) << text;
+        ASSERT_EQ(remarks_.size(), told.size()) << text;
+        for (std::size_t i = 0; i < told.size(); ++i)
+            EXPECT_EQ(remarks_[i], (folder_ / "a.ptx").string() + ": " + told[i]);
+    };
+    const std::string leftAsTheyAre = "; that may be rounding, and its points were left as they are.";
+    expectTold(cloudOf("1"), 2, {});
+    expectTold(cloudOf("1.000001"), 2, {});
+    expectTold(cloudOf("1.0015"), 2, {"the transform of cloud 1 scales it by 1.0015" + leftAsTheyAre});
+    expectTold(cloudOf("0.99985"), 2, {"the transform of cloud 1 scales it by 0.99985" + leftAsTheyAre});
+    expectTold(cloudOf("1.0025"), 2.005f, {"the transform of cloud 1 scales it by 1.0025; its points were scaled."});
+    expectTold(cloudOf("0.001") + cloudOf("1.0005") + cloudOf("0.002") + cloudOf("1"), 0.002f,
+               {"the transform of cloud 1 scales it by 0.001, those of 1 more scale, too; its points were scaled.",
+                "the transform of cloud 2 scales it by 1.0005" + leftAsTheyAre});
 }
 
 TEST_F(Ptx, NationalGridOffsetsKeepTheirAccuracy) {
@@ -173,7 +197,7 @@ TEST_F(Ptx, AMillionPointsTakeAboutASecondAtMost) {
             std::to_string(1 + i % 997 * 0.01) + " " + std::to_string(i % 89 * 0.1) + " 2.250000 0.501961 12 255 77\n";
     const auto path = file(text);
     const auto start = std::chrono::steady_clock::now();
-    const Scan scan = readPtxScan(listPtx(path).at(0));
+    const Scan scan = readPtxScan(listPtx(path, remarks_).at(0));
     const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
     EXPECT_EQ(scan.pointsInScanner.size(), std::size_t{kPoints});
     RecordProperty("seconds", std::to_string(taken.count()));

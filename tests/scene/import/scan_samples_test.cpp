@@ -29,7 +29,7 @@ std::string buildFaces(const std::filesystem::path& path, int& scans) {
     try {
         std::vector<std::string> remarks;
         const bool isPtx = path.extension() == ".ptx";
-        for (const ScanSource& source : isPtx ? listPtx(path) : listE57(path, remarks)) {
+        for (const ScanSource& source : isPtx ? listPtx(path, remarks) : listE57(path, remarks)) {
             const Scan scan = isPtx ? readPtxScan(source) : readE57Scan(source);
             const CubeFaces faces = projectToCubeFaces(scan);
             EXPECT_EQ(faces.report.held + faces.report.dropped, faces.report.points) << path;
