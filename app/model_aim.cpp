@@ -8,7 +8,10 @@ std::optional<scene::Pick> ModelAim::meet(const scene::Ray& ray) const {
     const glm::dvec3 direction = glm::normalize(ray.direction);
     const std::optional<scene::PolygonHit> hit = tracer_.cast(ray.originInWorld, direction);
     if (!hit) return std::nullopt;
-    scene::Pick pick{.position = ray.originInWorld + hit->t * direction, .distanceMetres = hit->t, .isSeen = false};
+    scene::Pick pick;
+    pick.position = ray.originInWorld + hit->t * direction;
+    pick.distanceMetres = hit->t;
+    pick.isSeen = false;
     const glm::dvec3 across = tracer_.triangleOf(*hit).across;
     if (glm::length(across) > 0) pick.normal = glm::normalize(hit->isBack ? -across : across);
     return pick;

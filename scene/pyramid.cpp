@@ -46,6 +46,11 @@ const Child& mainOf(std::span<const Child> children, float sameSurface) {
     return *chosen;
 }
 
+/// Range was measured here, or right beside (isClosed).
+bool isOfMeasured(std::uint8_t flags) {
+    return isSurface(flags) && !isClosed(flags);
+}
+
 bool isSkinAbout(const DepthImage& fine, int x, int y) {
     for (int v = 2 * y; v <= 2 * y + 2; ++v)
         for (int u = 2 * x; u <= 2 * x + 2; ++u)
@@ -86,9 +91,14 @@ DepthImage halve(const DepthImage& fine, const PyramidOptions& options) {
             const std::span<const Child> children(room.data(), count);
             const Child& main = mainOf(children, options.sameSurface);
             double disparity = 0, r = 0, g = 0, b = 0;
-            int alike = 0;
+            int alike = 0, others = 0;
             for (const Child& child : children) {
                 if (!areAlike(child.disparity, main.disparity, options.sameSurface)) continue;
+                if (isOfMeasured(child.flags) !=
+                    isOfMeasured(main.flags)) { // what is measured is not mixed with guesses
+                    ++others;
+                    continue;
+                }
                 disparity += static_cast<double>(child.disparity);
                 r += child.colour.r, g += child.colour.g, b += child.colour.b;
                 ++alike;
@@ -96,7 +106,9 @@ DepthImage halve(const DepthImage& fine, const PyramidOptions& options) {
             const auto channel = [&](double sum) { return static_cast<std::uint8_t>(std::lround(sum / alike)); };
             coarse.disparity(x, y) = static_cast<float>(disparity / alike);
             coarse.colour(x, y) = {channel(r), channel(g), channel(b)};
-            coarse.flags(x, y) = static_cast<std::uint8_t>(main.flags & ~(kSkinUpper | kSkinLower));
+            const bool isMostlyClosed = isOfMeasured(main.flags) && others > alike;
+            coarse.flags(x, y) = static_cast<std::uint8_t>((main.flags & ~(kSkinUpper | kSkinLower)) |
+                                                           (isMostlyClosed ? kInterpolated : 0));
         }
 
     const auto isBroken = [&](int ax, int ay, int bx, int by, int cx, int cy) {

@@ -23,7 +23,9 @@ Camera halve(const Camera& camera);
 /// The same, level times.
 Camera cameraAtLevel(const Camera& camera, int level);
 
-/// The image with half as many samples a side. A coarse sample is of the first tier of which a sample is kept below it.
+/// The image with half as many samples a side. A coarse sample is of the first tier of which a sample is kept below it;
+/// measured ones are averaged by themselves, and where most of one surface is closed or guessed the whole is closed, or
+/// a few measured samples would vouch for ever more from level to level.
 /// A triangle is a skin where there was one and its corners are no one surface.
 DepthImage halve(const DepthImage& image, const PyramidOptions& options);
 

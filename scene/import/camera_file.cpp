@@ -3,8 +3,10 @@
 #include "scene/errors.h"
 #include "scene/json_file.h"
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <limits>
 
 #include <glm/geometric.hpp>
 
@@ -54,7 +56,7 @@ CameraFile readCameraFile(const std::filesystem::path& path) {
         sizeOf(file, "width", path), sizeOf(file, "height", path), need("fx"), need("fy"), need("cx"), need("cy")};
     result.distortion = {find("k1"), find("k2"), find("p1"), find("p2"), find("k3")};
     if (!isUsable(result.camera)) throw Failure("is no camera: a focal length is not positive", path, "correct it");
-    if (!isOneToOne(result.camera, result.distortion))
+    if (std::isfinite(oneToOneWithin(result.camera, result.distortion)))
         throw Failure("has a lens that folds the picture over itself", path, "check the signs of k1, k2 and k3");
     return result;
 }
@@ -79,16 +81,19 @@ glm::dvec2 distorted(const Distortion& lens, const glm::dvec2& ideal) {
             y * radial + lens.p1 * (r2 + 2 * y * y) + 2 * lens.p2 * x * y};
 }
 
-bool isOneToOne(const Camera& camera, const Distortion& lens) {
-    if (lens == Distortion{}) return true; // however far out its corners are
+double oneToOneWithin(const Camera& camera, const Distortion& lens) {
+    double within = std::numeric_limits<double>::infinity();
+    if (lens == Distortion{}) return within; // however far out its corners are
     constexpr int kSteps = 32;
     for (const double x : {0.0, 1.0 * camera.width})
         for (const double y : {0.0, 1.0 * camera.height})
             for (int i = 0; i <= kSteps; ++i) {
-                const glm::dvec2 corner(rayThrough(camera, x, y));
-                if (!(stretchAt(lens, corner * (static_cast<double>(i) / kSteps)) > 0)) return false;
+                const glm::dvec2 place = glm::dvec2(rayThrough(camera, x, y)) * (static_cast<double>(i) / kSteps);
+                if (stretchAt(lens, place) > 0) continue;
+                within = std::min(within, glm::length(place));
+                break;
             }
-    return true;
+    return within;
 }
 
 glm::dvec2 undistorted(const Distortion& lens, const glm::dvec2& seen) {

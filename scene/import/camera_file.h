@@ -30,8 +30,9 @@ void writeCameraFile(const std::filesystem::path& path, const CameraFile& camera
 /// Where the lens shows what a pinhole would show at this place; both at depth 1.
 glm::dvec2 distorted(const Distortion& lens, const glm::dvec2& ideal);
 
-/// Not so of a lens that folds the picture over itself somewhere between its middle and its corners.
-bool isOneToOne(const Camera& camera, const Distortion& lens);
+/// How far from the picture's middle, at depth 1, a lens shows nothing twice: infinite where it never folds the picture
+/// over itself between middle and corners.
+double oneToOneWithin(const Camera& camera, const Distortion& lens);
 
 /// The other way, to double rounding where the lens does not fold over.
 glm::dvec2 undistorted(const Distortion& lens, const glm::dvec2& seen);

@@ -1,6 +1,7 @@
 #include "scene/import/photo.h"
 
 #include "scene/errors.h"
+#include "scene/import/camera_file.h"
 #include "scene/picture_codec.h"
 
 #include <algorithm>
@@ -11,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include <glm/geometric.hpp>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 
@@ -118,6 +120,12 @@ Undistortion findUndistortion(const PhotoSource& source) {
     cv::initUndistortRectifyMap(k, coefficients, cv::noArray(), k, {camera.width, camera.height}, CV_32FC1, map.x,
                                 map.y);
     map.isIdentity = false;
+    // Beyond where the lens folds the picture over itself nothing new is seen.
+    const double within = oneToOneWithin(camera, d);
+    for (int y = 0; y < camera.height && std::isfinite(within); ++y)
+        for (int x = 0; x < camera.width; ++x)
+            if (glm::length(glm::dvec2(rayThrough(camera, x + 0.5, y + 0.5))) >= within)
+                map.x(y, x) = map.y(y, x) = static_cast<float>(-2 * (camera.width + camera.height));
     return map;
 }
 

@@ -71,7 +71,9 @@ TEST_F(Annotating, APressNotesWhereTheAimMeetsTheScene) {
 TEST_F(Annotating, NothingIsNotedThroughAModelNorOnIt) {
     scene::PolygonScene model; // right of the middle, before the wall
     model.materials.emplace_back();
-    model.meshes.push_back({.positions = {{0.1f, -1, 1.5f}, {1, -1, 1.5f}, {0.1f, 1, 1.5f}}, .triangles = {{0, 1, 2}}});
+    scene::PolygonMesh& mesh = model.meshes.emplace_back();
+    mesh.positions = {{0.1f, -1, 1.5f}, {1, -1, 1.5f}, {0.1f, 1, 1.5f}};
+    mesh.triangles = {{0, 1, 2}};
     model.instances.push_back({});
     const ModelAim models(model);
     const auto pressThrough = [&](double x, double y) {

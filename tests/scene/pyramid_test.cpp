@@ -187,8 +187,35 @@ TEST(Pyramid, OfWhatIsKeptMeasuredBaseComesBeforeClosedAndThatBeforeOtherDirecti
             for (std::uint8_t& flags : fine.flags.pixels())
                 flags = kOrder[worse];
             fine.flags(1, 1) = kOrder[better];
-            EXPECT_EQ(halve(fine, {}).flags(0, 0), kOrder[better]) << better << " and " << worse;
+            // Of its tier, but closed where three of the four were not measured.
+            const bool isClosedThen = (better == 0 || better == 2) && (worse == 1 || worse == 3);
+            const int flags = kOrder[better] | (isClosedThen ? kInterpolated : 0);
+            EXPECT_EQ(halve(fine, {}).flags(0, 0), flags) << better << " and " << worse;
         }
+}
+
+TEST(Pyramid, AFewMeasuredSamplesVouchForNoOthers) {
+    DepthImage image = blank(4, 2, 0.5f);
+    const auto close = [&](int x, int y) {
+        image.flags(x, y) = kInterpolated;
+        image.disparity(x, y) = 0.505f;
+        image.colour(x, y) = {200, 0, 0};
+    };
+    close(0, 0), close(1, 0), close(0, 1); // three of four
+    close(3, 0), close(3, 1);              // two of four
+    const DepthImage coarse = halve(image, {});
+    EXPECT_TRUE(isClosed(coarse.flags(0, 0)));
+    EXPECT_FALSE(isClosed(coarse.flags(1, 0)));
+    for (const int x : {0, 1}) {
+        EXPECT_EQ(coarse.disparity(x, 0), 0.5f) << "as measured";
+        EXPECT_EQ(coarse.colour(x, 0), (Rgb8{100, 100, 100}));
+    }
+    // From level to level.
+    DepthImage wide = blank(16, 16, 0.5f);
+    for (std::uint8_t& flags : wide.flags.pixels())
+        flags = kInterpolated;
+    wide.flags(5, 5) = 0;
+    EXPECT_TRUE(isClosed(halve(halve(wide, {}), {}).flags(1, 1)));
 }
 
 TEST(Pyramid, LevelsSurviveTheirBlock) {

@@ -165,6 +165,26 @@ TEST_F(Photo, IsFreedOfDistortion) {
 }
 
 // Cameras write how a picture is to be turned for viewing; its depth knows nothing of that.
+TEST_F(Photo, ShowsNothingWhereItsLensWouldFoldItOverItself) {
+    PhotoSource photo = source(160, 120);
+    photo.distortion.k1 = -0.8; // at sqrt(1 / (3 * 0.8)) = 0.645 of the focal length; a corner is at 0.78
+    writePicture(photo.colourPath, gradientPicture(160, 120));
+    writePicture(photo.depthPath, flatDepth(160, 120, 3000));
+    const DepthImage image = readPhoto(photo);
+    int folded = 0;
+    for (int y = 0; y < 120; ++y)
+        for (int x = 0; x < 160; ++x) {
+            const double far = glm::length(glm::dvec2(rayThrough(image.camera, x + 0.5, y + 0.5)));
+            if (far < 0.6) {
+                ASSERT_EQ(image.flags(x, y), 0) << x << ", " << y;
+            } else if (far > 0.67) {
+                ASSERT_EQ(image.flags(x, y), kNoSurface) << x << ", " << y;
+                ++folded;
+            }
+        }
+    EXPECT_GT(folded, 100);
+}
+
 TEST_F(Photo, IsNotTurnedByItsExifOrientation) {
     PhotoSource photo = source(40, 30);
     photo.colourPath = folder_ / "colour.jpg";
