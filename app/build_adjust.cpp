@@ -23,7 +23,7 @@ namespace {
 using nlohmann::json;
 
 /// Changed whenever what the stage finds changes, so that results of older versions are not taken for new ones.
-constexpr int kAdjustVersion = 4;
+constexpr int kAdjustVersion = 5;
 constexpr int kPixelsAcross = 400;  ///< of a sketch, about: finer ones hold poses no better
 constexpr int kFewestAcross = 100;  ///< coarser ones hold them worse than they are given
 constexpr float kLeastShare = 0.1f; ///< of an image, that a partner must see of it

@@ -225,6 +225,7 @@ ImportedImages importImages(scene::Capture& capture, const std::vector<std::size
             scene::DepthImage image = readPhoto(photo);
             fillDropouts(image, options.dropouts);
             guessRange(image, options.guesses);
+            keepWithinPicture(image, photo);
             writeDepthTiff(image, part / "image.tiff");
         });
         photos[i] = {photo.name, photo.camera, photo.worldFromCamera, folder / "image.tiff", {}};

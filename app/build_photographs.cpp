@@ -26,7 +26,7 @@ namespace {
 using nlohmann::json;
 
 /// Changed whenever what the stage computes changes, so that results of older versions are not taken for new ones.
-constexpr int kPhotographsVersion = 7;
+constexpr int kPhotographsVersion = 8;
 /// A turn within so many deviations is none: poses that are right stay what they are.
 constexpr double kSameDeviations = 2;
 constexpr double kSamePlace = 0.005;  ///< metres: from here a photograph sees all that an image sees

@@ -17,7 +17,7 @@ namespace {
 using nlohmann::json;
 
 /// Changed whenever what registration finds changes, so that results of older versions are not taken for new ones.
-constexpr int kRegisterVersion = 2;
+constexpr int kRegisterVersion = 3;
 
 const char* nameOf(const scene::PairOutcome& pair) {
     if (pair.isRefused) return "refused by a third scan";

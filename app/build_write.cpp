@@ -1,12 +1,12 @@
 // The scene folder: images, tiles and manifest, under a temporary name until all is there.
 
 #include "app/build_stages.h"
-#include "app/notes.h"
 #include "app/progress.h"
+#include "app/say.h"
 #include "app/scene_folder.h"
 #include "app/version.h"
+#include "app/walkers_files.h"
 
-#include "input/settings.h"
 #include "scene/camera_json.h"
 #include "scene/depth_tiff.h"
 #include "scene/errors.h"
@@ -112,15 +112,6 @@ void copyFile(const std::filesystem::path& from, const std::filesystem::path& to
     std::error_code error;
     std::filesystem::copy_file(from, to, error);
     if (error) throw scene::Failure("cannot be copied (" + error.message() + ")", from, scene::kWriteRemedy);
-}
-
-/// A scene that is built anew keeps what walkers left in it: their notes, and where walks begin.
-void carryWalkersFiles(const std::filesystem::path& from, const std::filesystem::path& part) {
-    for (const std::filesystem::path& name :
-         {NotesFile(from).path().filename(), std::filesystem::path(input::kStartFile)}) {
-        std::error_code error;
-        if (std::filesystem::exists(from / name, error)) copyFile(from / name, part / name);
-    }
 }
 
 void writeImages(const std::filesystem::path& folder, const ImportedImages& imported, const TileStage& tiles,
@@ -261,6 +252,7 @@ void writeScene(const std::filesystem::path& output, const scene::Capture& captu
         const scene::Scene written = scene::openScene(part);
         manifest["walk_from_world"] =
             rowMajor(findWalkSpace(written.images, written.blocks, imported.uprightInWorld, imported.start));
+        if (const std::optional<std::string> remark = remarkOnNotes(output, manifest)) sayNote(*remark);
         writeWhole(part / "scene.json", textOf(manifest));
         checkReplaceable(output, options.inputs);
         carryWalkersFiles(output, part);

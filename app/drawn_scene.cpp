@@ -19,9 +19,6 @@ DrawnScene::DrawnScene(const scene::Scene& given, const DrawOptions& options) : 
     if (leastCoverageCellMetres > 0 && !scene.coverage)
         sayNote("--coverage-cell changes nothing: the scene does not say what was never observed; build it again with "
                 "'revisit build --coverage'");
-    else if (mayShowUnseen && !scene.coverage)
-        sayNote("what nobody saw looks empty: the scene does not say where that is; build it again with 'revisit build "
-                "--coverage'");
     if (options.polygons.empty()) return;
     polygons = scene::readPolygons(options.polygons);
     for (const std::string& remark : polygons->remarks)

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include <glm/common.hpp>
+#include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>
 
 namespace app {
@@ -195,8 +196,8 @@ void printNotes(const Notes& notes) {
         if (note.kind == Note::Kind::point)
             std::printf("  point      %s: %.3f %.3f %.3f\n", shown(note.label).c_str(), a.x, a.y, a.z);
         if (note.kind == Note::Kind::distance)
-            std::printf("  distance   %s: from %.3f %.3f %.3f to %.3f %.3f %.3f\n", shown(note.label).c_str(), a.x, a.y,
-                        a.z, b.x, b.y, b.z);
+            std::printf("  distance   %s: from %.3f %.3f %.3f to %.3f %.3f %.3f, %.3f m\n", shown(note.label).c_str(),
+                        a.x, a.y, a.z, b.x, b.y, b.z, glm::distance(a, b));
     }
 }
 

@@ -53,9 +53,10 @@ ScanAgreement scanAgreement(std::span<const ScanFaces> scans, std::span<const sc
         inside[scan] += ofImages[i].floatingInside;
         for (const scene::PartnerWord& word : ofImages[i].words) {
             const std::size_t other = scanOf[word.image];
-            if (other == kNoScan || other == scan) continue;
+            if (other == scan) continue;
             seenThroughBy[scan][other] += word.sawThrough;
-            if (word.agrees > 0) apart[std::minmax(scan, other)].emplace_back(word.apartMetres, word.agrees);
+            if (other != kNoScan && word.apartMetres > 0)
+                apart[std::minmax(scan, other)].emplace_back(word.apartMetres, word.agrees);
         }
     }
     ScanAgreement agreement;
@@ -70,7 +71,7 @@ ScanAgreement scanAgreement(std::span<const ScanFaces> scans, std::span<const sc
         if (inside[s] < kLeastLoss || seenThroughBy[s].empty()) continue;
         const auto most = std::max_element(seenThroughBy[s].begin(), seenThroughBy[s].end(),
                                            [](const auto& a, const auto& b) { return a.second < b.second; });
-        agreement.losses.push_back({s, inside[s], most->first});
+        agreement.losses.push_back({s, inside[s], most->first == kNoScan ? std::nullopt : std::optional(most->first)});
     }
     std::stable_sort(agreement.losses.begin(), agreement.losses.end(),
                      [](const ScanLoss& a, const ScanLoss& b) { return a.samples > b.samples; });
@@ -88,7 +89,7 @@ nlohmann::json describe(const ScanAgreement& agreement, std::span<const ScanFace
     for (const ScanLoss& loss : agreement.losses)
         losses.push_back({{"scan", scans[loss.scan].name},
                           {"samples_inside", loss.samples},
-                          {"seen_through_by", scans[loss.mostlyBy].name}});
+                          {"seen_through_by", loss.mostlyBy ? nlohmann::json(scans[*loss.mostlyBy].name) : nullptr}});
     return {{"pairs", pairs}, {"losses", losses}};
 }
 
@@ -109,7 +110,8 @@ std::vector<std::string> remarksOn(const ScanAgreement& agreement, std::span<con
         for (std::size_t i = 0; i < std::min(kNamed, agreement.losses.size()); ++i) {
             const ScanLoss& loss = agreement.losses[i];
             some += (i > 0 ? ", '" : "'") + scans[loss.scan].name + "' (" + std::to_string(loss.samples) +
-                    " samples; through most of it '" + scans[loss.mostlyBy].name + "' saw)";
+                    " samples; through most of it " +
+                    (loss.mostlyBy ? "'" + scans[*loss.mostlyBy].name + "'" : std::string("photographs")) + " saw)";
         }
         if (agreement.losses.size() > kNamed)
             some += " and " + std::to_string(agreement.losses.size() - kNamed) + " more";

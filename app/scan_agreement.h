@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -23,8 +24,8 @@ struct ScanPair {
 /// A scan of which whole things are not drawn, since others saw through them.
 struct ScanLoss {
     std::size_t scan = 0;
-    std::int64_t samples = 0; ///< SkinFigures::floatingInside
-    std::size_t mostlyBy = 0; ///< the scan that saw through most of its samples
+    std::int64_t samples = 0;            ///< SkinFigures::floatingInside
+    std::optional<std::size_t> mostlyBy; ///< the scan that saw through most of its samples; none: photographs
 };
 
 struct ScanAgreement {

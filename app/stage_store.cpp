@@ -1,5 +1,6 @@
 #include "app/stage_store.h"
 
+#include "app/say.h"
 #include "scene/errors.h"
 #include "scene/unfinished_file.h"
 
@@ -83,6 +84,9 @@ StageStore::StageStore(std::filesystem::path folder) : folder_(std::move(folder)
         if (lock == Lock::ofAnother)
             throw scene::Failure("another build is writing this scene", folder_,
                                  "wait for it to end, or give another name with -o");
+        if (lock == Lock::none)
+            sayNote(folder_.string() +
+                    ": its file system has no locks: see to it that no other build writes this scene");
         lookAround(lock == Lock::held);
     } catch (...) {
         close(lock_);

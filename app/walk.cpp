@@ -253,6 +253,8 @@ void Walk::go(WalkStage& stage, const xr::ViewSource& source, const xr::Frame& f
         wasAtDesk_ = isDesk(source);
         if (!hasBegun_ && !options_.isHeadless && start_)
             locomotion_ = input::brought(locomotion_, head, start_->feet, start_->heading, start_->scale);
+        if (!hasBegun_ && !options_.isHeadless && knobs_.quality.showUnseen && !scene_.coverage)
+            say("what nobody saw looks empty: this scene does not say where that is (build --coverage)");
         hasBegun_ = true;
     }
     const input::Wants wants = hearWants(stage, source, frame);
@@ -315,7 +317,7 @@ std::optional<input::Surface> Walk::hit(const glm::dvec3& from, const glm::dvec3
     const std::optional<scene::Pick> pick = scene::pick(scene_.blocks, ray, pickOptions());
     const std::optional<scene::Pick> model = models_ ? models_->meet(ray) : std::nullopt;
     // What has no normal is no floor: nor are models, which nobody scanned.
-    if (model && nearer(pick, model)->distanceMetres == model->distanceMetres)
+    if (model && (!pick || !pick->isSeen || model->distanceMetres < pick->distanceMetres))
         return input::Surface{scene_.walkFromWorld * model->position, glm::dvec3(0)};
     if (!pick || !pick->isSeen) return std::nullopt;
     const glm::dvec3 normal = pick->normal ? scene_.walkFromWorld.rotation * *pick->normal : glm::dvec3(0);

@@ -91,14 +91,16 @@ DepthImage halve(const DepthImage& fine, const PyramidOptions& options) {
             const std::span<const Child> children(room.data(), count);
             const Child& main = mainOf(children, options.sameSurface);
             double disparity = 0, r = 0, g = 0, b = 0;
-            int alike = 0, others = 0;
+            int alike = 0, measured = 0, others = 0; // the latter two of those that are kept
             for (const Child& child : children) {
                 if (!areAlike(child.disparity, main.disparity, options.sameSurface)) continue;
-                if (isOfMeasured(child.flags) !=
-                    isOfMeasured(main.flags)) { // what is measured is not mixed with guesses
-                    ++others;
+                const int isKept = (child.flags & kRedundant) == 0 ? 1 : 0;
+                // What is measured is not mixed with what is not.
+                if (isOfMeasured(child.flags) != isOfMeasured(main.flags)) {
+                    others += isKept;
                     continue;
                 }
+                measured += isKept;
                 disparity += static_cast<double>(child.disparity);
                 r += child.colour.r, g += child.colour.g, b += child.colour.b;
                 ++alike;
@@ -106,7 +108,7 @@ DepthImage halve(const DepthImage& fine, const PyramidOptions& options) {
             const auto channel = [&](double sum) { return static_cast<std::uint8_t>(std::lround(sum / alike)); };
             coarse.disparity(x, y) = static_cast<float>(disparity / alike);
             coarse.colour(x, y) = {channel(r), channel(g), channel(b)};
-            const bool isMostlyClosed = isOfMeasured(main.flags) && others > alike;
+            const bool isMostlyClosed = isOfMeasured(main.flags) && others > measured;
             coarse.flags(x, y) = static_cast<std::uint8_t>((main.flags & ~(kSkinUpper | kSkinLower)) |
                                                            (isMostlyClosed ? kInterpolated : 0));
         }

@@ -11,6 +11,7 @@ revisit_test(revisit_refine_tests WHOLE LABELS unit TIMEOUT 300 LINKS scene scen
         scene/refine/colour_evening_test.cpp
         scene/refine/contradiction_test.cpp
         scene/refine/cover_test.cpp
+        scene/refine/crossing_test.cpp
         scene/refine/open_space_test.cpp
         scene/refine/fusion_test.cpp
         scene/overlap_test.cpp

@@ -233,15 +233,15 @@ Capture openCapture(std::span<const std::filesystem::path> inputs) {
         throw Failure("polygons are built alone", capture.polygons.front(), "give this file and no other input");
     remarkDoubled(capture);
     std::unordered_set<std::string> taken;
-    makeNamesUnique(capture.photos, taken);
     makeNamesUnique(capture.scans, taken);
     for (const ScanSource& scan : capture.scans)
-        for (const char* const face : kFaceNames) { // the images that scans become
+        for (const char* const face : kFaceNames) { // the images that scans become, which nothing else is called
             const std::string image = scan.name + "-" + face;
             taken.insert(image);
             for (int layer = 2; layer <= kMostFurtherLayers + 1; ++layer)
                 taken.insert(image + "-" + std::to_string(layer));
         }
+    makeNamesUnique(capture.photos, taken);
     makeNamesUnique(capture.scanPhotos, taken);
     for (const PhotoSource& photo : capture.photos) {
         requirePlausible(photo.camera, photo.name, photo.colourPath);

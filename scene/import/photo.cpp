@@ -107,6 +107,11 @@ float sampleDepth(const cv::Mat1f& depth, double x, double y) {
 struct Undistortion {
     cv::Mat1f x, y;
     bool isIdentity = true;
+
+    bool isSeen(int column, int row, const Camera& camera) const {
+        const double atX = static_cast<double>(x(row, column)) + 0.5, atY = static_cast<double>(y(row, column)) + 0.5;
+        return atX >= 0 && atY >= 0 && atX < camera.width && atY < camera.height;
+    }
 };
 
 Undistortion findUndistortion(const PhotoSource& source) {
@@ -130,6 +135,14 @@ Undistortion findUndistortion(const PhotoSource& source) {
 }
 
 } // namespace
+
+void keepWithinPicture(DepthImage& image, const PhotoSource& source) {
+    const Undistortion lens = findUndistortion(source);
+    if (lens.isIdentity) return;
+    for (int y = 0; y < image.camera.height; ++y)
+        for (int x = 0; x < image.camera.width; ++x)
+            if (!lens.isSeen(x, y, image.camera)) image.disparity(x, y) = 0, image.flags(x, y) = kNoSurface;
+}
 
 DepthImage readPhoto(const PhotoSource& source) {
     const Camera& camera = source.camera;

@@ -12,4 +12,8 @@ namespace scene {
 /// Throws Failure: missing or unreadable file, sizes that do not fit.
 DepthImage readPhoto(const PhotoSource& source);
 
+/// Takes range back, guessed from what is beside, from where the picture shows nothing: beyond its borders once its
+/// lens is straightened, and where that would fold it over itself.
+void keepWithinPicture(DepthImage& image, const PhotoSource& source);
+
 } // namespace scene

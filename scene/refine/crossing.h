@@ -11,13 +11,14 @@ namespace scene {
 
 /// w: of the sighting. upright, change: by how much the sighting's disparity grows with the sample's, and by how much
 /// it grows beyond that of the partner's surface there; both relative to themselves, so that the sky needs no special
-/// case.
+/// case. Of a plane change is how far the sample's camera stands before it, by how far the partner does.
 struct Crossing {
     float w = 0, upright = 0, change = 0;
     glm::vec2 slopes{0}; ///< of the partner's disparity, by pixels across and down
 
     bool isFromFront() const { return change > 0; }
-    /// Surely: about nothing, noise makes signs of its own.
+    /// Surely: about nothing, noise makes signs of its own. So who stands ten times nearer to the plane than the
+    /// partner on its other side, or looks along it, is not told from one on this side.
     bool isFromBehind() const { return change < -0.1f; }
 };
 

@@ -1,5 +1,6 @@
 #include "scene/refine/skins.h"
 
+#include "scene/refine/crossing.h"
 #include "scene/sample_comparison.h"
 
 #include <algorithm>
@@ -8,6 +9,7 @@
 #include <cmath>
 #include <mutex>
 
+#include <glm/geometric.hpp>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
@@ -165,12 +167,16 @@ std::int64_t countInside(const Image<std::uint8_t>& flags) {
 
 constexpr int kApartEvery = 4; ///< samples, across and down
 
-/// Of a sample that agrees; the sky is nowhere.
-void addApart(const SampleComparison& samples, int k, std::vector<float>& apartMetres) {
+/// Of a sample that agrees; the sky is nowhere, and of something thin the other side is another surface.
+void addApart(const SampleComparison& samples, int k, const DepthImage& partner, const Reprojection& into,
+              float sameSurface, std::vector<float>& apartMetres) {
     const Comparison comparison = samples.comparison(k);
-    const float seen = samples.sighting(k).disparity;
-    if (comparison.isSmooth && seen > 0 && comparison.disparity > 0)
-        apartMetres.push_back(std::abs(1 / seen - 1 / comparison.disparity));
+    const Sighting at = samples.sighting(k);
+    if (!comparison.isSmooth || !(at.disparity > 0 && comparison.disparity > 0)) return;
+    if (crossingOf(partner, into, samples.x(k), samples.y(k), samples.disparity(k), at, sameSurface).isFromBehind())
+        return;
+    const auto ray = static_cast<float>(glm::length(rayThrough(partner.camera, at.u, at.v)));
+    apartMetres.push_back(ray * std::abs(1 / at.disparity - 1 / comparison.disparity));
 }
 
 /// What a partner says, gathered by many threads.
@@ -271,7 +277,7 @@ Image<std::uint8_t> markSkins(ImageStore& images, std::size_t index, const std::
                     if (relation == Relation::agrees) {
                         ++agreed(x, y), here.agrees += measured;
                         if (measured != 0 && x % kApartEvery == 0 && y % kApartEvery == 0)
-                            addApart(samples, k, here.apartMetres);
+                            addApart(samples, k, partner, into, options.comparison.sameSurface, here.apartMetres);
                     }
                     if (relation == Relation::inFront) ++seenThrough(x, y), here.sawThrough += measured;
                 }

@@ -17,6 +17,7 @@ namespace {
 namespace fs = std::filesystem;
 using testing::HasSubstr;
 using testing::IsEmpty;
+using testing::Not;
 
 const SampleScene& sampleRoom() {
     static const SampleScene room("room", 4, "80x60");
@@ -130,6 +131,24 @@ TEST_F(Outputs, WhatCannotBeWrittenToStandardOutputIsNoSuccess) {
         EXPECT_THAT(full.output, HasSubstr("standard output: cannot be written to"));
         EXPECT_EQ(shell(whole + " > /dev/null").status, 0);
     }
+}
+
+TEST_F(Outputs, NotesOfImagesThatStoodElsewhereAreSaidToBe) {
+    fs::copy(sampleRoom().capture(), at("moved"), fs::copy_options::recursive);
+    const std::string manifest = at("moved/transforms.json"), room = at("room.revisit");
+    ASSERT_EQ(revisit({"build", at("moved"), "-o", room}).status, 0);
+    scene::writeFile(room + "/notes.json", R"({"format": "revisit notes", "version": 1, "unit": "m", "notes":
+        [{"number": 1, "kind": "point", "label": "P1", "position": [1, 2, 3]}]})");
+    EXPECT_THAT(revisit({"build", at("moved"), "-o", room}).output, Not(HasSubstr("note was kept")));
+    nlohmann::json capture = readJson(manifest);
+    for (nlohmann::json& frame : capture.at("frames"))
+        frame.at("transform_matrix")[0][3] = frame.at("transform_matrix")[0][3].get<double>() + 0.5;
+    scene::writeFile(manifest, capture.dump());
+    const Outcome moved = revisit({"build", at("moved"), "-o", room});
+    EXPECT_EQ(moved.status, 0);
+    EXPECT_THAT(moved.output, HasSubstr("1 note was kept, but its images stood elsewhere"));
+    EXPECT_THAT(revisit({"info", room}).output, HasSubstr("1 note was kept"));
+    EXPECT_THAT(revisit({"build", at("moved"), "-o", room}).output, HasSubstr("1 note was kept")) << "as before";
 }
 
 TEST_F(Outputs, InfoInJsonOutlivesDamagedNotes) {

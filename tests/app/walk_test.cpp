@@ -458,12 +458,14 @@ TEST_F(Walk, NotesAreToldByInfoAndOutliveANewBuild) {
     EXPECT_EQ(nlohmann::json::parse(run(infoJson, folder()).output).at("notes"), notes);
     const std::string told = run(info, folder()).output;
     EXPECT_NE(told.find("front door: 1.500 2.000 3.000"), std::string::npos) << told;
-    EXPECT_NE(told.find("D2 5.000 m: from 0.000 0.000 0.000 to 3.000 4.000 0.000"), std::string::npos) << told;
+    EXPECT_NE(told.find("D2 5.000 m: from 0.000 0.000 0.000 to 3.000 4.000 0.000, 5.000 m\n"), std::string::npos)
+        << told;
 
     scene::writeFile(scene + "/start.json", "{}");
     ASSERT_EQ(run(build, folder()).status, 0);
     EXPECT_EQ(nlohmann::json::parse(run(infoJson, folder()).output).at("notes"), notes);
     EXPECT_EQ(scene::bytesOfFile(scene + "/start.json"), "{}") << "where walks begin outlives it, too";
+    EXPECT_EQ(run(info, folder()).output.find("notes were kept"), std::string::npos) << "nothing moved";
 
     scene::writeFile(file, root.dump().substr(1));
     const Outcome refused = run(info, folder());

@@ -361,6 +361,7 @@ TEST(CubeFaces, LoosePointsWithACrowdedOriginAreSeenFromTheRoomiestPlace) {
     }
     const CubeFaces faces = projectToCubeFaces(loose(points));
     EXPECT_EQ(faces.report.dropped, 0);
+    EXPECT_TRUE(faces.report.isFromElsewhere);
     const glm::dvec3 cop = faces.faces.at(0).worldFromCamera.translation;
     EXPECT_GT(cop.x, 1);
     EXPECT_GT(cop.y, 1);
@@ -375,6 +376,7 @@ TEST(CubeFaces, LoosePointsOfAScannerKeepItsOrigin) {
     scan.column.clear();
     const CubeFaces faces = projectToCubeFaces(scan);
     EXPECT_EQ(faces.report.held, faces.report.points);
+    EXPECT_FALSE(faces.report.isFromElsewhere);
     EXPECT_EQ(faces.faces.at(0).worldFromCamera.translation, glm::dvec3(0.0));
     EXPECT_GT(faces.report.columnStepRadians, 0.1 * kDegree);
     EXPECT_LT(faces.report.columnStepRadians, 1.01 * kDegree);
