@@ -99,12 +99,13 @@ std::vector<std::string> remarksOn(const ScanAgreement& agreement, std::span<con
         std::max_element(agreement.pairs.begin(), agreement.pairs.end(),
                          [](const ScanPair& a, const ScanPair& b) { return a.apartMetres < b.apartMetres; });
     if (worst != agreement.pairs.end() && worst->apartMetres > kFarApartMetres)
-        remarks.push_back("Where scans '" + scans[worst->a].name + "' and '" + scans[worst->b].name +
-                          "' show the same surfaces they have them " + millimetres(worst->apartMetres) +
-                          " apart (median, along their rays), and what is drawn lies between: " +
-                          (areAsGiven ? "their poses are as the files give them, and --register auto finds better ones "
-                                        "if those are wrong."
-                                      : "revisit info says how they were registered."));
+        remarks.push_back(
+            "Where scans '" + scans[worst->a].name + "' and '" + scans[worst->b].name +
+            "' show the same surfaces they have them " + millimetres(worst->apartMetres) +
+            " apart (median, along their rays), and what is drawn lies between: their ranges are noisy, or " +
+            (areAsGiven ? "their poses, which are as the files give them, are wrong: --register auto finds "
+                          "better ones then."
+                        : "their poses are wrong: revisit info says how they were registered."));
     if (!agreement.losses.empty()) {
         std::string some;
         for (std::size_t i = 0; i < std::min(kNamed, agreement.losses.size()); ++i) {
@@ -115,8 +116,7 @@ std::vector<std::string> remarksOn(const ScanAgreement& agreement, std::span<con
         }
         if (agreement.losses.size() > kNamed)
             some += " and " + std::to_string(agreement.losses.size() - kNamed) + " more";
-        remarks.push_back("Things that only one scan saw are not drawn where others saw through them: something of " +
-                          some +
+        remarks.push_back("Things that more scans saw through than saw are not drawn: something of " + some +
                           ". It moved from scan to scan, stands in glass or a mirror, or a pose is wrong; each scan "
                           "built alone shows all it saw.");
     }

@@ -143,6 +143,23 @@ TEST_F(Scans, ThoseThatContradictEachOtherAreTold) {
     EXPECT_THAT(told.output, HasSubstr("contradict each other"));
 }
 
+TEST_F(Scans, OfPosesThatAreALittleOffItIsSaidHowFarSurfacesAreApart) {
+    const Outcome made = run({kMakeSample, path("near"), "--scene", "corner", "--scanner", "--scans", "2", "--density",
+                              "2", "--no-colour", "--pose-error", "0,0.05"},
+                             folder());
+    ASSERT_EQ(made.status, 0) << made.output;
+    const Outcome built = run({kRevisit, "build", path("near/scans.e57"), "-o", path("near.revisit")}, folder());
+    ASSERT_EQ(built.status, 0) << built.output;
+    EXPECT_THAT(built.output,
+                HasSubstr("note: Where scans 'scan1' and 'scan2' show the same surfaces they have them "));
+    const json agreement = readJson(path("near.revisit/scene.json")).at("scan_agreement");
+    const double apart = agreement.at("pairs").at(0).at("apart_m");
+    EXPECT_GT(apart, 0.03);
+    EXPECT_LT(apart, 0.2);
+    EXPECT_THAT(run({kRevisit, "info", path("near.revisit")}, folder()).output,
+                HasSubstr("farthest apart scan1 and scan2: "));
+}
+
 TEST_F(Scans, TakeAPersonsWordForThePlanesTheyShare) {
     // Places of the room on its ceiling and two walls, as either scanner has them.
     const json truth = readJson(path("capture/truth.json")).at("scans");
