@@ -1,6 +1,7 @@
 #include "scene/align/joint_images.h"
 
 #include "scene/align/image_pairs.h"
+#include "scene/align/normal_equations.h"
 #include "scene/median.h"
 
 #include <algorithm>
@@ -10,7 +11,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
-#include <Eigen/SparseCholesky>
+#include <Eigen/SparseCore>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 #include <tbb/parallel_for.h>
@@ -158,7 +159,7 @@ double step(const Problem& problem, const AllSums& all, std::vector<Pose>& poses
     }
     Eigen::SparseMatrix<double> matrix(6 * rows, 6 * rows);
     matrix.setFromTriplets(entries.begin(), entries.end());
-    const Eigen::VectorXd by = Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>>(matrix).solve(right);
+    const Eigen::VectorXd by = solveNormalEquations(matrix, right);
     double farthest = 0;
     for (std::size_t i = 0; i < poses.size(); ++i) {
         if (!problem.isFree[i]) continue;
