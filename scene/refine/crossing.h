@@ -17,9 +17,10 @@ struct Crossing {
     glm::vec2 slopes{0}; ///< of the partner's disparity, by pixels across and down
 
     bool isFromFront() const { return change > 0; }
-    /// Surely: about nothing, noise makes signs of its own. So who stands ten times nearer to the plane than the
+    /// Surely, and from the side that the partner looks towards: about nothing, noise makes signs of its own, and round
+    /// an edge a partner sees another face of the same thing. So who stands ten times nearer to the plane than the
     /// partner on its other side, or looks along it, is not told from one on this side.
-    bool isFromBehind() const { return change < -0.1f; }
+    bool isFromBehind() const { return upright < 0 && change < -0.1f; }
 };
 
 /// x, y, disparity: of the sample; at: where the partner sees it, on a smooth surface (Comparison::isSmooth).
