@@ -171,7 +171,7 @@ DepthImage readPhoto(const PhotoSource& source) {
         if (isPixelByPixel) return depth(y, x);
         const double atX = lens.isIdentity ? x + 0.5 : static_cast<double>(lens.x(y, x)) + 0.5;
         const double atY = lens.isIdentity ? y + 0.5 : static_cast<double>(lens.y(y, x)) + 0.5;
-        const bool isSeen = atX >= 0 && atY >= 0 && atX < camera.width && atY < camera.height;
+        const bool isSeen = lens.isIdentity || lens.isSeen(x, y, camera);
         return isSeen ? sampleDepth(depth, atX * scaleX, atY * scaleY) : 0;
     };
     for (int y = 0; y < camera.height; ++y) {
