@@ -27,7 +27,7 @@ namespace {
 using nlohmann::json;
 
 /// Changed whenever what a stage computes changes, so that results of older versions are not taken for new ones.
-constexpr int kImportVersion = 7;
+constexpr int kImportVersion = 8;
 
 /// Share of a scan's rays that is worth a word: a scanner that stands indoors has its own blind cone without range.
 constexpr double kManyWithoutRange = 0.3;
@@ -97,7 +97,7 @@ void writeFaces(const scene::ScanSource& source, const ScanPhotographs& photogra
     std::exception_ptr failure;              // of writing; kept, since two at a time would end the program
     const auto writeFinished = [&] {
         for (scene::DepthImage& face : finished) {
-            if (!scan.hasColour && !photographs.images.empty()) {
+            if ((!scan.hasColour || !scan.isColoured.empty()) && !photographs.images.empty()) {
                 SampleColours colours(face);
                 for (const scene::StoredImage& photograph : photographs.images)
                     if (colours.mayTake(photograph)) colours.take(scene::readDepthTiff(photograph.file));

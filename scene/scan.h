@@ -5,6 +5,8 @@
 #include "scene/image.h"
 #include "scene/pose.h"
 
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -22,9 +24,19 @@ struct Scan {
     int rows = 0, columns = 0;
     std::vector<glm::vec3> pointsInScanner;
     std::vector<Rgb8> colours; ///< one for each point; from intensity (grey) or mid-grey where the scan has no colour
-    bool hasColour = false;
+    bool hasColour = false;    ///< of its own, any point
+    std::vector<bool> isColoured; ///< one for each point where some have colour and others have not; else empty
     std::vector<std::int32_t> row, column;
     std::int64_t invalidPoints = 0; ///< points the file marks invalid or that are not finite; not among the points
+
+    bool hasColourAt(std::size_t point) const { return isColoured.empty() ? hasColour : isColoured[point]; }
+
+    /// Of isColoured, which importers give an entry for each point, what Scan says of itself.
+    void settleColours() {
+        const auto coloured = static_cast<std::size_t>(std::count(isColoured.begin(), isColoured.end(), true));
+        hasColour = coloured > 0;
+        if (coloured == 0 || coloured == isColoured.size()) isColoured = {};
+    }
 };
 
 /// A scan and the strength of what came back, one for each point, in units of its own; empty where it has none.

@@ -2,6 +2,7 @@
 // How often tests repeat themselves.
 
 #include <algorithm>
+#include <cstdlib>
 
 namespace tests {
 
@@ -13,6 +14,11 @@ constexpr int repetitions(int usual) {
 #else
     return usual;
 #endif
+}
+
+/// Whether there is time for what takes minutes and says what shorter tests beside it make likely: ./dev test --long.
+inline bool areLong() {
+    return std::getenv("REVISIT_LONG_TESTS") != nullptr;
 }
 
 } // namespace tests

@@ -192,7 +192,7 @@ class Colours {
     Colours(const e57::StructureNode& scan, const e57::StructureNode& prototype, const Records& records,
             bool wantsIntensity)
         : hasColour(records.has(kRed) && records.has(kGreen) && records.has(kBlue)),
-          hasIntensity_((wantsIntensity || !hasColour) && records.has(kIntensity)),
+          hasIntensity_((wantsIntensity || !hasColour || records.has(kColourInvalid)) && records.has(kIntensity)),
           intensity_(limitsOf(scan, "intensityLimits", "intensity")) {
         const char* const limitNames[] = {"colorRed", "colorGreen", "colorBlue"};
         for (int c = 0; c < 3; ++c) {
@@ -219,7 +219,9 @@ class Colours {
 
     void add(const Records& records, std::size_t i, Scan& scan) {
         Rgb8 colour{128, 128, 128};
-        if (hasColour && !records.marked(kColourInvalid, i))
+        const bool isColoured = hasColour && !records.marked(kColourInvalid, i);
+        if (hasColour && records.has(kColourInvalid)) scan.isColoured.push_back(isColoured);
+        if (isColoured)
             colour = {to8Bit(channels_[0].unit(records(kRed, i))), to8Bit(channels_[1].unit(records(kGreen, i))),
                       to8Bit(channels_[2].unit(records(kBlue, i)))};
         scan.colours.push_back(colour);
@@ -232,10 +234,14 @@ class Colours {
     /// As the file has them; empty where it has none.
     std::vector<float> takeIntensities() { return std::move(brightness_); }
 
+    /// Without colour a point is as bright as what came back.
     void finish(Scan& scan) const {
-        if (!hasIntensity_ || hasColour) return;
+        scan.hasColour = hasColour;
+        if (!scan.isColoured.empty()) scan.settleColours();
+        if (!hasIntensity_) return;
         const Limits& limits = intensity_.known() ? intensity_ : observed_;
         for (std::size_t i = 0; i < brightness_.size(); ++i) {
+            if (scan.hasColourAt(i)) continue;
             const std::uint8_t grey = std::isfinite(brightness_[i]) ? to8Bit(limits.unit(brightness_[i])) : 128;
             scan.colours[i] = {grey, grey, grey};
         }

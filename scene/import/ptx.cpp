@@ -161,6 +161,7 @@ class Cloud {
         const bool hasRgb = numbers.size() >= 6;
         const std::size_t rgb = numbers.size() == 6 ? 3 : 4;
         scan_.hasColour |= hasRgb;
+        scan_.isColoured.push_back(hasRgb);
         scan_.colours.push_back(
             hasRgb ? Rgb8{colourByte(numbers[rgb]), colourByte(numbers[rgb + 1]), colourByte(numbers[rgb + 2])}
                    : Rgb8{128, 128, 128});
@@ -173,6 +174,7 @@ class Cloud {
 
     void finish() {
         const std::optional<glm::dvec3> origin = points_.finish();
+        scan_.settleColours();
         if (!scan_.hasColour) colourByIntensity(intensities_, scan_);
         scan_.rows = header_.rows;
         scan_.columns = header_.columns;

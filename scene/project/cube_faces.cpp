@@ -1,5 +1,6 @@
 #include "scene/project/cube_faces.h"
 
+#include "scene/project/colour_mean.h"
 #include "scene/project/cube_layout.h"
 #include "scene/project/grid_mesh.h"
 #include "scene/project/loose_points.h"
@@ -34,15 +35,15 @@ DepthImage emptyFace(const Scan& scan, const CubeFrame& frame, int face, const C
 // The mesh's disparity and colour at the pixel centres.
 void paintMesh(const Scan& scan, const ScanGrid& grid, const CubeFrame& frame, int face, const Image<MeshPixel>& mesh,
                DepthImage& image) {
-    const std::uint8_t flags = scan.hasColour ? std::uint8_t{0} : std::uint8_t{kNoColour};
     tbb::parallel_for(0, mesh.height(), [&](int y) {
         for (int x = 0; x < mesh.width(); ++x) {
             const MeshPixel shown = mesh(x, y);
             if (shown == 0) continue;
             image.disparity(x, y) = disparityOf(shown);
-            image.colour(x, y) =
+            const ColourMean mean =
                 colourAt(scan, cornersOf(grid, triangleOf(shown)), frame, face, image.camera, x + 0.5, y + 0.5);
-            image.flags(x, y) = flags;
+            image.colour(x, y) = mean.colour();
+            image.flags(x, y) = mean.flags();
         }
     });
 }
@@ -138,7 +139,7 @@ std::vector<DepthImage> layersOf(const Scan& scan, const ScanGrid* grid, const O
         const int x = sample.x - x0, y = sample.y - y0;
         image.disparity(x, y) = sample.disparity;
         image.colour(x, y) = sample.colour;
-        image.flags(x, y) = scan.hasColour ? std::uint8_t{0} : std::uint8_t{kNoColour};
+        image.flags(x, y) = sample.flags;
     }
     return layers;
 }

@@ -158,24 +158,21 @@ std::array<std::int32_t, 3> cornersOf(const ScanGrid& grid, std::uint32_t triang
     return {square[a], square[b], square[c]};
 }
 
-Rgb8 colourAt(const Scan& scan, const std::array<std::int32_t, 3>& corners, const CubeFrame& frame, int face,
-              const Camera& camera, double x, double y) {
+ColourMean colourAt(const Scan& scan, const std::array<std::int32_t, 3>& corners, const CubeFrame& frame, int face,
+                    const Camera& camera, double x, double y) {
     std::array<Projected, 3> p;
-    std::array<Rgb8, 3> colours;
     for (std::size_t i = 0; i < 3; ++i) {
-        const auto point = static_cast<std::size_t>(corners[i]);
-        p[i] = projectVertex(camera, frame.inFace(face, scan.pointsInScanner[point]));
-        colours[i] = scan.colours[point];
+        const glm::dvec3 corner = frame.inFace(face, scan.pointsInScanner[static_cast<std::size_t>(corners[i])]);
+        p[i] = projectVertex(camera, corner);
     }
     const double area = edge(p[0], p[1], p[2].x, p[2].y);
     const double wa = std::clamp(edge(p[1], p[2], x, y) / area, 0.0, 1.0);
     const double wb = std::clamp(edge(p[2], p[0], x, y) / area, 0.0, 1.0 - wa);
-    const double wc = 1.0 - wa - wb;
-    const auto mix = [&](std::uint8_t Rgb8::*channel) {
-        return static_cast<std::uint8_t>(
-            std::lround(wa * colours[0].*channel + wb * colours[1].*channel + wc * colours[2].*channel));
-    };
-    return {mix(&Rgb8::r), mix(&Rgb8::g), mix(&Rgb8::b)};
+    const std::array<double, 3> weights{wa, wb, 1.0 - wa - wb};
+    ColourMean mean;
+    for (std::size_t i = 0; i < 3; ++i)
+        mean.add(scan, static_cast<std::size_t>(corners[i]), weights[i]);
+    return mean;
 }
 
 } // namespace scene

@@ -2,6 +2,7 @@
 // A scan's grid as a mesh, drawn onto a face of the cube: the triangle that is seen at each pixel centre.
 
 #include "scene/image.h"
+#include "scene/project/colour_mean.h"
 #include "scene/project/cube_layout.h"
 #include "scene/project/scan_grid.h"
 #include "scene/scan.h"
@@ -35,8 +36,8 @@ Image<MeshPixel> drawGrid(const Scan& scan, const ScanGrid& grid, const CubeFram
 /// The points at a triangle's corners.
 std::array<std::int32_t, 3> cornersOf(const ScanGrid& grid, std::uint32_t triangle);
 
-/// The triangle's colour at a place of the image, between its corners' colours.
-Rgb8 colourAt(const Scan& scan, const std::array<std::int32_t, 3>& corners, const CubeFrame& frame, int face,
-              const Camera& camera, double x, double y);
+/// The triangle's colour at a place of the image, between those of its corners.
+ColourMean colourAt(const Scan& scan, const std::array<std::int32_t, 3>& corners, const CubeFrame& frame, int face,
+                    const Camera& camera, double x, double y);
 
 } // namespace scene

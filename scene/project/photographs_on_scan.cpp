@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <utility>
+#include <vector>
 
 namespace scene {
 
@@ -28,8 +29,12 @@ class InReflectance {
     InReflectance& operator=(const InReflectance&) = delete;
 
   private:
-    void swap() { std::swap(scan_.scan.colours, scan_.reflectance); }
+    void swap() {
+        std::swap(scan_.scan.colours, scan_.reflectance);
+        std::swap(scan_.scan.isColoured, isColoured_); // all have a reflectance
+    }
     ScanForPhotographs& scan_;
+    std::vector<bool> isColoured_;
 };
 
 } // namespace

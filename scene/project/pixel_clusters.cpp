@@ -1,5 +1,7 @@
 #include "scene/project/pixel_clusters.h"
 
+#include "scene/project/colour_mean.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -86,7 +88,7 @@ class Placement {
             if (a.onMesh != b.onMesh) return a.onMesh;
             return a.members[0].disparity > b.members[0].disparity;
         });
-        const LayerSample carried{0, x, y, face_.disparity(x, y), face_.colour(x, y)};
+        const LayerSample carried{0, x, y, face_.disparity(x, y), face_.colour(x, y), face_.flags(x, y)};
         for (std::size_t rank = 0; rank < clusters_.size(); ++rank) {
             const Cluster& cluster = clusters_[rank];
             const auto weight = static_cast<std::int64_t>(cluster.members.size());
@@ -105,7 +107,7 @@ class Placement {
             }
             face_.disparity(x, y) = sample.disparity;
             face_.colour(x, y) = sample.colour;
-            face_.flags(x, y) = scan_.hasColour ? std::uint8_t{0} : std::uint8_t{kNoColour};
+            face_.flags(x, y) = sample.flags;
         }
     }
 
@@ -121,14 +123,14 @@ class Placement {
     }
 
     LayerSample meanOf(std::span<const Candidate> members) const {
-        double disparity = 0, r = 0, g = 0, b = 0;
+        double disparity = 0;
+        ColourMean mean;
         for (const Candidate& member : members) {
-            const Rgb8 colour = scan_.colours[member.point];
-            disparity += member.disparity, r += colour.r, g += colour.g, b += colour.b;
+            disparity += member.disparity;
+            mean.add(scan_, member.point);
         }
-        const auto n = static_cast<double>(members.size());
-        const auto byte = [&](double sum) { return static_cast<std::uint8_t>(std::lround(sum / n)); };
-        return {0, 0, 0, static_cast<float>(disparity / n), {byte(r), byte(g), byte(b)}};
+        disparity /= static_cast<double>(members.size());
+        return {0, 0, 0, static_cast<float>(disparity), mean.colour(), mean.flags()};
     }
 
     const Scan& scan_;

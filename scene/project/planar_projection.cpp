@@ -1,5 +1,6 @@
 #include "scene/project/planar_projection.h"
 
+#include "scene/project/colour_mean.h"
 #include "scene/project/disparity_runs.h"
 #include "scene/project/loose_points.h"
 #include "scene/project/scan_grid.h"
@@ -239,14 +240,11 @@ class Projection {
             if (!isSure && !lieOnOnePlane(about, noiseAt(cluster.front().disparity, std::sqrt(away)))) return;
         }
         image.disparity(x, y) = planeAtCentre(cluster);
-        image.flags(x, y) = scan_.hasColour ? std::uint8_t{0} : std::uint8_t{kNoColour};
-        double w = 0, r = 0, g = 0, b = 0;
-        for (const Member& m : cluster) {
-            const Rgb8& c = scan_.colours[m.point];
-            w += m.weight, r += double{m.weight} * c.r, g += double{m.weight} * c.g, b += double{m.weight} * c.b;
-        }
-        const auto byte = [&](double sum) { return static_cast<std::uint8_t>(std::lround(sum / w)); };
-        image.colour(x, y) = {byte(r), byte(g), byte(b)};
+        ColourMean mean;
+        for (const Member& m : cluster)
+            mean.add(scan_, m.point, m.weight);
+        image.colour(x, y) = mean.colour();
+        image.flags(x, y) = mean.flags();
     }
 
     /// The samples about a pixel, sorted, and apart from them those that are averaged.

@@ -3,6 +3,7 @@
 
 #include "tests/app/comparison.h"
 #include "tests/app/program.h"
+#include "tests/repetitions.h"
 #include "tests/scene/scratch_folder.h"
 #include "tests/shared_data.h"
 
@@ -117,6 +118,7 @@ TEST(Captures, TheShelfFromPlacesThatWereKeptOutAndAtItsBest) {
     EXPECT_GE(blended.coveredPsnr, kShelfCoveredBestFloor);
     EXPECT_GE(blended.coveredShare, kShelfCovered);
 
+    if (!tests::areLong()) return;
     ASSERT_NO_FATAL_FAILURE(
         build(capture, scene, "every:10:5", scratch, {"--no-cull", "--no-fuse", "--no-silhouettes"}));
     const Agreement captured = drawHeldOut(scene, "mesh", "shelf as captured", truthOf, scratch);

@@ -7,6 +7,7 @@
 #include "tests/app/made_sample.h"
 #include "tests/app/pose_json.h"
 #include "tests/app/program.h"
+#include "tests/repetitions.h"
 #include "tests/scene/scratch_folder.h"
 
 #include <fstream>
@@ -94,9 +95,13 @@ class Chain : public testing::Test {
 TEST_F(Chain, FromRawScansAndPhotographsCostsNoMoreThanOneAndAHalfDecibels) {
     make({path("truth"), "--scene", "room", "--images", "6", "--size", "320x240", "--samples", "4"});
     const auto sample = [&](const std::string& name, const std::vector<std::string>& faults) {
-        std::vector<std::string> command{path(name), "--scene",           "room",   "--scanner",   "--scans",
-                                         "2",        "--density",         "5",      "--no-colour", "--photographs",
-                                         "7",        "--photograph-size", "400x300"};
+        std::vector<std::string> command{path(name),    "--scene",
+                                         "room",        "--scanner",
+                                         "--scans",     "2",
+                                         "--density",   tests::areLong() ? "5" : "3",
+                                         "--no-colour", "--photographs",
+                                         "7",           "--photograph-size",
+                                         "400x300"};
         command.insert(command.end(), faults.begin(), faults.end());
         make(command);
     };

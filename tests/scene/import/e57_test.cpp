@@ -127,8 +127,31 @@ TEST_F(E57, ColourIsScaledByItsLimits) {
     EXPECT_EQ(read.colours[0], (Rgb8{128, 128, 128})) << "marked invalid";
     EXPECT_EQ(read.colours[1], (Rgb8{128, 128, 128}));
     EXPECT_EQ(read.colours[2], (Rgb8{255, 255, 255}));
+    EXPECT_EQ(read.isColoured, (std::vector<bool>{false, true, true}));
     scan.colorLimits.clear();
     EXPECT_EQ(readOne(scan).colours[2], (Rgb8{255, 255, 255})) << "the field's own bounds serve as well";
+}
+
+TEST_F(E57, WithoutColourAPointIsAsBrightAsWhatCameBack) {
+    WrittenScan scan{"colour", {}, cartesian({1, 2, 3}, {0, 0, 0}, {0, 0, 0})};
+    for (const char* name : {"colorRed", "colorGreen", "colorBlue"})
+        scan.fields.push_back({name, NumberType::integer, {7, 7, 7}, 0, 255});
+    scan.fields.push_back({"intensity", NumberType::float32, {0, 50, 100}});
+    scan.fields.push_back({"isColorInvalid", NumberType::integer, {1, 0, 1}, 0, 1});
+    Scan read = readOne(scan);
+    EXPECT_TRUE(read.hasColour);
+    EXPECT_EQ(read.isColoured, (std::vector<bool>{false, true, false}));
+    EXPECT_EQ(read.colours, (std::vector<Rgb8>{{0, 0, 0}, {7, 7, 7}, {255, 255, 255}}));
+    scan.fields.back().values = {1, 1, 1};
+    read = readOne(scan);
+    EXPECT_FALSE(read.hasColour);
+    EXPECT_TRUE(read.isColoured.empty());
+    EXPECT_EQ(read.colours[1], (Rgb8{128, 128, 128})) << "halfway";
+    scan.fields.back().values = {0, 0, 0};
+    read = readOne(scan);
+    EXPECT_TRUE(read.hasColour);
+    EXPECT_TRUE(read.isColoured.empty());
+    EXPECT_EQ(read.colours[0], (Rgb8{7, 7, 7}));
 }
 
 TEST_F(E57, FloatColoursWithoutLimitsAreTakenAsUnits) {

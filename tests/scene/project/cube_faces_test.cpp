@@ -400,6 +400,28 @@ TEST(CubeFaces, RangeWithoutColourIsFlagged) {
     forEachSample(faces, [&](const DepthImage& face, int x, int y) { ASSERT_TRUE(face.flags(x, y) & kNoColour); });
 }
 
+TEST(CubeFaces, PointsWithoutColourAreFlaggedAmongOthersAndGiveThemNoGrey) {
+    Scan half = sweep(rangeToRoom);
+    const Rgb8 none{255, 0, 255}; // colours of the sweep have green of 128 and more where y is positive
+    for (std::size_t i = 0; i < half.pointsInScanner.size(); ++i) {
+        half.isColoured.push_back(half.pointsInScanner[i].y > 0);
+        if (!half.isColoured[i]) half.colours[i] = none;
+    }
+    for (const bool onGrid : {true, false}) {
+        if (!onGrid) half.rows = half.columns = 0, half.row = {}, half.column = {};
+        int with = 0, without = 0;
+        forEachSample(projectToCubeFaces(half), [&](const DepthImage& face, int x, int y) {
+            const Rgb8 c = face.colour(x, y);
+            const bool hasNone = (face.flags(x, y) & kNoColour) != 0;
+            ASSERT_EQ(hasNone, c == none) << x << ", " << y << " of " << face.name;
+            ASSERT_TRUE(hasNone || c.g >= 127) << "a mixture at " << x << ", " << y << " of " << face.name;
+            ++(hasNone ? without : with);
+        });
+        EXPECT_GT(with, 1000);
+        EXPECT_GT(without, 1000);
+    }
+}
+
 TEST(CubeFaces, NothingAndNextToNothing) {
     EXPECT_TRUE(projectToCubeFaces(Scan{}).faces.empty());
     const CubeFaces one = projectToCubeFaces(loose({{1, 2, 3}}));
