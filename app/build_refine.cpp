@@ -25,9 +25,11 @@ json describe(const scene::ComparisonOptions& o) {
     return {o.sameSurface, o.pixelError};
 }
 
-/// Half of the memory for pixels; the rest is for what the stages keep beside them.
-scene::ImageStore openImages(const std::vector<scene::StoredImage>& images, const BuildOptions& options) {
-    return {images, options.memoryBytes / 2};
+/// Half of the memory for pixels; the rest is for what the stages keep beside them. Each image is asked for again by
+/// those that overlap it.
+scene::ImageStore openImages(const std::vector<scene::StoredImage>& images, const BuildOptions& options,
+                             const StageStore& store) {
+    return {images, options.memoryBytes / 2, store.folder()};
 }
 
 /// Half for pixels and for what the one at hand becomes: of large images and little memory that is more, since pixels
@@ -72,7 +74,7 @@ scene::SkinFigures skinFiguresOf(const json& f, std::size_t images, const std::f
 } // namespace
 
 Overlaps findOverlaps(const ImportedImages& imported, const BuildOptions& options) {
-    scene::ImageStore images = openImages(imported.images, options);
+    scene::ImageStore images(imported.images, options.memoryBytes / 2);
     std::vector<scene::ImageOutline> outlines(images.size());
     Progress progress("overlaps", images.size());
     scene::visitEach(images, 1, [&](std::size_t i) {
@@ -105,7 +107,7 @@ SkinStage markSkins(const ImportedImages& imported, const Overlaps& overlaps, co
     SkinStage stage;
     stage.key = keyOf({kRefineVersion, imported.key, o.planarity, o.maxPartners, describe(o.comparison)});
     const std::filesystem::path folder = store.folderOf("skins", stage.key);
-    scene::ImageStore images = openImages(imported.images, options);
+    scene::ImageStore images = openImages(imported.images, options, store);
     stage.images = imported.images;
     std::vector<scene::SkinFigures> figures(images.size());
     Progress progress("skins", images.size());
@@ -143,7 +145,7 @@ KeepStage keepBest(const ImportedImages& imported, const Overlaps& overlaps, con
     Progress progress("redundancy", imported.images.size());
     std::size_t told = 0;
     const std::filesystem::path folder = store.find("kept", stage.key, [&](const std::filesystem::path& part) {
-        scene::ImageStore images = openImages(skins.images, options);
+        scene::ImageStore images = openImages(skins.images, options, store);
         scene::RedundancyFigures figures;
         std::vector<scene::KeepMap> kept;
         if (options.cull) {
@@ -181,7 +183,7 @@ TileStage fuseAndCut(const ImportedImages& imported, const Overlaps& overlaps, c
                                    describe(o.comparison), options.pyramid.tileSize, options.pyramid.facetTolerance,
                                    options.pyramid.sameSurface});
     const std::filesystem::path folder = store.folderOf("tiles", key);
-    scene::ImageStore images = openImages(skins.images, options);
+    scene::ImageStore images = openImages(skins.images, options, store);
     TileStage stage;
     for (const scene::StoredImage& image : imported.images) {
         stage.blocks.push_back(folder / (image.name + ".block"));

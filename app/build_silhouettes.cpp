@@ -19,7 +19,8 @@ constexpr int kSilhouetteVersion = 2;
 /// Lays silhouettes anew, round after round; the images as they are after the last go into `part`. Returns what
 /// changed, summed over the rounds.
 std::vector<scene::SilhouetteFigures> settle(const std::vector<scene::StoredImage>& imported, const Overlaps& overlaps,
-                                             const BuildOptions& options, const std::filesystem::path& part) {
+                                             const BuildOptions& options, const std::filesystem::path& part,
+                                             const std::filesystem::path& spillFolder) {
     const scene::SilhouetteOptions& o = options.silhouettes;
     std::vector<scene::SilhouetteFigures> figures(imported.size());
     std::vector<scene::StoredImage> before = imported;
@@ -31,7 +32,7 @@ std::vector<scene::SilhouetteFigures> settle(const std::vector<scene::StoredImag
         const std::filesystem::path folder = round + 1 < o.rounds ? part / std::to_string(round) : part;
         std::filesystem::create_directories(folder);
         std::vector<scene::StoredImage> after = before;
-        scene::ImageStore images(before, options.memoryBytes / 2);
+        scene::ImageStore images(before, options.memoryBytes / 2, spillFolder);
         const auto settleOne = [&](std::size_t i) {
             scene::SilhouetteFigures f;
             const scene::DepthImage settled = scene::settleSilhouettes(images, i, overlaps.partners[i], o, f);
@@ -81,11 +82,11 @@ json settleSilhouettes(ImportedImages& imported, const Overlaps& overlaps, const
     const std::filesystem::path folder = store.find("silhouettes", key, [&](const std::filesystem::path& part) {
         scene::SilhouetteVerdict verdict;
         {
-            scene::ImageStore images(imported.images, options.memoryBytes / 2);
+            scene::ImageStore images(imported.images, options.memoryBytes / 2, store.folder());
             verdict = scene::judgeSilhouettes(images, overlaps.partners, o);
         }
         std::vector<scene::SilhouetteFigures> figures;
-        if (!verdict.areRight(o)) figures = settle(imported.images, overlaps, options, part);
+        if (!verdict.areRight(o)) figures = settle(imported.images, overlaps, options, part, store.folder());
         writeWhole(part / "silhouettes.json", describe(verdict, imported.images, figures).dump());
     });
     const json report = readJson(folder / "silhouettes.json");

@@ -43,6 +43,8 @@ class StageStore {
     std::filesystem::path find(const std::string& stage, const std::string& key,
                                const std::function<void(const std::filesystem::path&)>& make);
 
+    const std::filesystem::path& folder() const { return folder_; }
+
     /// Whether it held results of earlier builds when it was opened.
     bool hasOlder() const { return hasOlder_; }
 

@@ -15,7 +15,8 @@
 
 namespace scene {
 
-ImageStore::ImageStore(std::vector<StoredImage> images, std::size_t budgetBytes) : budgetBytes_(budgetBytes) {
+ImageStore::ImageStore(std::vector<StoredImage> images, std::size_t budgetBytes, std::filesystem::path spillFolder)
+    : budgetBytes_(budgetBytes), spillFolder_(std::move(spillFolder)) {
     entries_.resize(images.size());
     for (std::size_t i = 0; i < images.size(); ++i)
         entries_[i].stored = std::move(images[i]);
@@ -37,21 +38,18 @@ ImageStore::Lease ImageStore::borrow(std::size_t index) {
     Entry& entry = entries_[index];
     ++entry.borrowers;
     entry.lastUse = ++clock_;
-    loaded_.wait(lock, [&] { return entry.state != State::loading; });
+    moved_.wait(lock, [&] { return entry.state != State::busy; });
     if (entry.state == State::absent) {
-        entry.state = State::loading;
+        entry.state = State::busy;
         const std::size_t bytes = bytesOf(entry.stored.camera);
-        DepthImage spare = evictFor(entry.stored.camera);
+        const std::vector<Entry*> going = chooseToGo(bytes);
         residentBytes_ += bytes;
         peakBytes_ = std::max(peakBytes_, residentBytes_);
         lock.unlock();
-        // Others may borrow and give back meanwhile; who wants this image waits for it.
+        // Others may borrow and give back meanwhile; who wants one of these images waits.
+        DepthImage spare = letGo(going, entry.stored.camera);
         try {
-            DepthImage image = readDepthTiff(entry.stored.file, std::move(spare));
-            if (image.camera.width != entry.stored.camera.width || image.camera.height != entry.stored.camera.height)
-                throw Failure("is not the image that the scene lists: its size differs", entry.stored.file,
-                              "remove it and build the scene again");
-            if (!entry.stored.flagsFile.empty()) image.flags = readFlagsTiff(entry.stored.flagsFile, image.camera);
+            DepthImage image = load(entry, std::move(spare));
             lock.lock();
             entry.image = std::move(image);
             entry.state = State::resident;
@@ -60,12 +58,27 @@ ImageStore::Lease ImageStore::borrow(std::size_t index) {
             entry.state = State::absent;
             residentBytes_ -= bytes;
             --entry.borrowers;
-            loaded_.notify_all();
+            moved_.notify_all();
             throw;
         }
-        loaded_.notify_all();
+        moved_.notify_all();
     }
     return {this, index, &entry.image};
+}
+
+DepthImage ImageStore::load(const Entry& entry, DepthImage spare) const {
+    if (entry.spilt) {
+        std::optional<DepthImage> image = spill_->get(*entry.spilt, std::move(spare));
+        if (image) return std::move(*image);
+        spare = {};
+    }
+    const StoredImage& stored = entry.stored;
+    DepthImage image = readDepthTiff(stored.file, std::move(spare));
+    if (image.camera.width != stored.camera.width || image.camera.height != stored.camera.height)
+        throw Failure("is not the image that the scene lists: its size differs", stored.file,
+                      "remove it and build the scene again");
+    if (!stored.flagsFile.empty()) image.flags = readFlagsTiff(stored.flagsFile, image.camera);
+    return image;
 }
 
 bool ImageStore::isResident(std::size_t index) const {
@@ -88,21 +101,34 @@ void ImageStore::giveBack(std::size_t index) {
     --entries_[index].borrowers;
 }
 
-DepthImage ImageStore::evictFor(const Camera& camera) {
-    const std::size_t bytes = bytesOf(camera);
-    DepthImage spare;
+std::vector<ImageStore::Entry*> ImageStore::chooseToGo(std::size_t bytes) {
+    std::vector<Entry*> going;
     while (residentBytes_ + bytes > budgetBytes_) {
         Entry* oldest = nullptr;
         for (Entry& entry : entries_)
             if (entry.state == State::resident && entry.borrowers == 0 && (!oldest || entry.lastUse < oldest->lastUse))
                 oldest = &entry;
         if (!oldest) break;
-        const Camera& old = oldest->stored.camera;
-        residentBytes_ -= bytesOf(old);
-        if (old.width == camera.width && old.height == camera.height) spare = std::move(oldest->image);
-        oldest->image = {};
-        oldest->state = State::absent;
+        residentBytes_ -= bytesOf(oldest->stored.camera);
+        oldest->state = State::busy;
+        going.push_back(oldest);
     }
+    if (!going.empty() && !spillFolder_.empty() && !spill_) spill_.emplace(spillFolder_);
+    return going;
+}
+
+DepthImage ImageStore::letGo(std::span<Entry* const> going, const Camera& camera) {
+    DepthImage spare;
+    for (Entry* const entry : going) {
+        if (spill_ && !entry->spilt) entry->spilt = spill_->put(entry->image);
+        const Camera& old = entry->stored.camera;
+        if (old.width == camera.width && old.height == camera.height) spare = std::move(entry->image);
+        entry->image = {};
+    }
+    const std::lock_guard lock(mutex_);
+    for (Entry* const entry : going)
+        entry->state = State::absent;
+    if (!going.empty()) moved_.notify_all();
     return spare;
 }
 

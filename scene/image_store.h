@@ -1,12 +1,14 @@
 #pragma once
 // The depth images of a build, lent one at a time: read from their files when asked for, kept as long as memory allows.
 
-#include "scene/depth_image.h"
+#include "scene/image_spill.h"
 
 #include <condition_variable>
 #include <filesystem>
 #include <functional>
 #include <mutex>
+#include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -25,7 +27,9 @@ struct StoredImage {
 /// when the budget is full; what is held is never dropped, even beyond the budget.
 class ImageStore {
   public:
-    ImageStore(std::vector<StoredImage> images, std::size_t budgetBytes);
+    /// spillFolder: where what is dropped is laid aside, if there is room, to be had again sooner than from its file;
+    /// for who asks for images again and again. Empty: nowhere.
+    ImageStore(std::vector<StoredImage> images, std::size_t budgetBytes, std::filesystem::path spillFolder = {});
     /// A store whose images are simply given (tests, small scenes).
     explicit ImageStore(std::vector<DepthImage> images);
 
@@ -41,22 +45,27 @@ class ImageStore {
     std::size_t peakBytes() const;
 
   private:
-    enum class State { absent, loading, resident };
+    enum class State { absent, busy, resident }; ///< busy: on its way in or out
     struct Entry {
         StoredImage stored;
         DepthImage image;
         State state = State::absent;
         int borrowers = 0;
         std::uint64_t lastUse = 0;
+        std::optional<ImageSpill::Place> spilt{};
     };
     void giveBack(std::size_t index);
-    DepthImage evictFor(const Camera& camera); ///< one of those that went, if it is as large
+    std::vector<Entry*> chooseToGo(std::size_t bytes);
+    DepthImage letGo(std::span<Entry* const> going, const Camera& camera); ///< one of them, if it is as large
+    DepthImage load(const Entry& entry, DepthImage spare) const;
 
     std::vector<Entry> entries_;
     std::size_t budgetBytes_, residentBytes_ = 0, peakBytes_ = 0;
+    std::filesystem::path spillFolder_;
+    std::optional<ImageSpill> spill_;
     std::uint64_t clock_ = 0;
     mutable std::mutex mutex_;
-    std::condition_variable loaded_;
+    std::condition_variable moved_;
 };
 
 /// The right to read one image of the store while this lives.

@@ -106,9 +106,10 @@ TEST_F(StoredImages, ThatAreHeldAreNeverDropped) {
     EXPECT_EQ(first->colour(0, 0).r, 0);
 }
 
-TEST_F(StoredImages, AreLentToManyThreads) {
-    constexpr int kThreads = 4, kImages = 7, kTimes = 150;
-    ImageStore images(store(kImages), kThreads * bytesOf(kCamera));
+/// Images that are told by their colour, from many threads that hold one each.
+void expectThatManyBorrow(ImageStore& images) {
+    constexpr int kThreads = 4, kTimes = 150;
+    const int kImages = static_cast<int>(images.size());
     std::atomic<int> wrong = 0;
     std::vector<std::thread> threads;
     for (int t = 0; t < kThreads; ++t)
@@ -126,6 +127,59 @@ TEST_F(StoredImages, AreLentToManyThreads) {
         thread.join();
     EXPECT_EQ(wrong, 0);
     EXPECT_LE(images.peakBytes(), kThreads * bytesOf(kCamera));
+}
+
+TEST_F(StoredImages, AreLentToManyThreads) {
+    ImageStore images(store(7), 4 * bytesOf(kCamera)), aside(store(7), 4 * bytesOf(kCamera), folder_.path());
+    expectThatManyBorrow(images);
+    expectThatManyBorrow(aside);
+}
+
+TEST_F(StoredImages, ThatWereLaidAsideComeBackAsTheyWereWithoutTheirFiles) {
+    RandomPlaces random(1);
+    std::vector<DepthImage> before;
+    for (int i = 0; i < 5; ++i) {
+        before.push_back(imageNumber(i, i % 2 == 0 ? kCamera : Camera{9, 7, 5, 5, 4, 3}));
+        before.back().worldFromCamera.translation.x = 0.1 * i;
+        for (float& disparity : before.back().disparity.pixels())
+            disparity = static_cast<float>(random.integerBetween(0, 1000)) / 512;
+    }
+    std::vector<StoredImage> stored = writeImages(before, folder_.path());
+    before[1].flags = Image<std::uint8_t>(9, 7, kSkinUpper);
+    stored[1].flagsFile = folder_ / "flags.tiff";
+    writeFlagsTiff(before[1].flags, stored[1].flagsFile);
+    ImageStore images(stored, bytesOf(kCamera), folder_.path());
+    for (std::size_t i = 0; i < 5; ++i)
+        images.borrow(i);
+    for (const auto& entry : std::filesystem::directory_iterator(folder_.path())) {
+        EXPECT_EQ(entry.path().extension(), ".tiff") << "it has no name";
+        if (entry.path() != stored[4].file) std::filesystem::remove(entry.path()); // which is here still
+    }
+    for (const std::size_t i : {0, 1, 2, 3, 4, 3, 0, 1}) {
+        const ImageStore::Lease lease = images.borrow(i);
+        EXPECT_EQ(lease->name, before[i].name);
+        EXPECT_TRUE(lease->camera == before[i].camera);
+        EXPECT_TRUE(lease->worldFromCamera == before[i].worldFromCamera);
+        EXPECT_TRUE(lease->colour == before[i].colour) << i;
+        EXPECT_TRUE(lease->disparity == before[i].disparity) << i;
+        EXPECT_TRUE(lease->flags == before[i].flags) << i;
+    }
+    EXPECT_EQ(images.peakBytes(), bytesOf(kCamera));
+}
+
+TEST_F(StoredImages, AreReadFromTheirFilesWhereNoneCanBeLaidAside) {
+    ImageStore images(store(3), bytesOf(kCamera), folder_ / "missing");
+    for (const std::size_t i : {0, 1, 2, 1, 0})
+        EXPECT_EQ(images.borrow(i)->colour(0, 0).r, i);
+    ImageSpill none(folder_.path(), 0.0);
+    EXPECT_FALSE(none.put(imageNumber(1)));
+    ImageSpill some(folder_.path());
+    const std::optional<ImageSpill::Place> first = some.put(imageNumber(1)), second = some.put(imageNumber(2));
+    ASSERT_TRUE(first && second);
+    const std::optional<DepthImage> back = some.get(*second, imageNumber(1, {9, 7, 5, 5, 4, 3}));
+    ASSERT_TRUE(back);
+    EXPECT_EQ(back->name, "2");
+    EXPECT_TRUE(back->colour == imageNumber(2).colour);
 }
 
 TEST_F(StoredImages, WithADamagedFileThrowAndCanBeAskedForAgain) {
