@@ -69,7 +69,7 @@ json evenImages(ImportedImages& imported, const Overlaps& overlaps, const BuildO
                o.leastChange, o.comparison.sameSurface, o.comparison.pixelError});
     const std::filesystem::path folder = store.find("evened", key, [&](const std::filesystem::path& part) {
         Progress progress("colours", 2 * imported.images.size());
-        scene::ImageStore images(imported.images, options.memoryBytes / 2);
+        scene::ImageStore images(imported.images, options.memoryBytes / 2, store.folder());
         const scene::ColourEvening evening =
             scene::evenColours(images, overlaps.partners, o, [&] { progress.advance(); });
         scene::visitEach(images, 2, [&](std::size_t i) { // one that is lent, and its copy

@@ -88,6 +88,12 @@ std::size_t scansTogether(std::span<const scene::ScanSource> scans, std::uint64_
                       static_cast<std::size_t>(tbb::this_task_arena::max_concurrency()));
 }
 
+bool lacksColour(const scene::DepthImage& face) {
+    return std::ranges::any_of(face.flags.pixels(), [](std::uint8_t flags) {
+        return scene::isSurface(flags) && (flags & scene::kNoColour) != 0;
+    });
+}
+
 /// The faces of a scan and, in points.json, what became of its points.
 void writeFaces(const scene::ScanSource& source, const ScanPhotographs& photographs,
                 const scene::CubeFaceOptions& options, const std::filesystem::path& folder) {
@@ -97,7 +103,7 @@ void writeFaces(const scene::ScanSource& source, const ScanPhotographs& photogra
     std::exception_ptr failure;              // of writing; kept, since two at a time would end the program
     const auto writeFinished = [&] {
         for (scene::DepthImage& face : finished) {
-            if ((!scan.hasColour || !scan.isColoured.empty()) && !photographs.images.empty()) {
+            if (lacksColour(face) && !photographs.images.empty()) {
                 SampleColours colours(face);
                 for (const scene::StoredImage& photograph : photographs.images)
                     if (colours.mayTake(photograph)) colours.take(scene::readDepthTiff(photograph.file));

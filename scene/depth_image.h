@@ -26,7 +26,7 @@ enum SampleFlag : std::uint8_t {
     kFloating = 1 << 3,     ///< other images saw through this sample: it hangs in empty space (see isOpenSky)
     kRedundant = 1 << 4,    ///< another image keeps this piece of surface
     kInterpolated = 1 << 5, ///< range was not measured here: it follows from the samples about
-    kNoColour = 1 << 6,     ///< the scanner took range only; colour is its intensity in grey, or mid-grey
+    kNoColour = 1 << 6,     ///< range alone was taken here; colour is the intensity in grey, or mid-grey
     kDirectional =
         1 << 7, ///< another image keeps this piece of surface, this sample is kept for how it looks from here
 };

@@ -1,18 +1,18 @@
 #include "scene/depth_tiff.h"
 
 #include "scene/camera_json.h"
+#include "scene/checksum.h"
 #include "scene/errors.h"
 #include "scene/unfinished_file.h"
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <memory>
+#include <span>
 
 #include <nlohmann/json.hpp>
 
 #include <tiffio.h>
-#include <xxhash.h>
 
 namespace scene {
 
@@ -131,38 +131,18 @@ Image<T> readPage(TIFF* tiff, int width, int height, int bits, int channels, con
     return image;
 }
 
-class Checksum {
-  public:
-    Checksum() : state_(XXH3_createState()) { XXH3_64bits_reset(state_.get()); }
-    template <class T>
-    void add(const Image<T>& image) {
-        XXH3_64bits_update(state_.get(), image.pixels().data(), image.pixels().size_bytes());
-    }
-    void add(const std::string& text) { XXH3_64bits_update(state_.get(), text.data(), text.size()); }
-    std::string text() const {
-        char hex[17];
-        std::snprintf(hex, sizeof hex, "%016llx", static_cast<unsigned long long>(XXH3_64bits_digest(state_.get())));
-        return hex;
-    }
-
-  private:
-    struct Free {
-        void operator()(XXH3_state_t* state) const { XXH3_freeState(state); }
-    };
-    std::unique_ptr<XXH3_state_t, Free> state_;
-};
-
 std::string checksumOf(const DepthImage& image) {
     Checksum sum;
-    sum.add(image.colour);
-    sum.add(image.disparity);
-    sum.add(image.flags);
+    sum.add(std::as_bytes(image.colour.pixels()));
+    sum.add(std::as_bytes(image.disparity.pixels()));
+    sum.add(std::as_bytes(image.flags.pixels()));
     return sum.text();
 }
 
 std::string checksumOf(const json& description) {
     Checksum sum;
-    sum.add(description.dump());
+    const std::string text = description.dump();
+    sum.add(std::as_bytes(std::span(text)));
     return sum.text();
 }
 
@@ -294,7 +274,7 @@ DepthImage readDepthTiffHeader(const std::filesystem::path& path) {
 
 void writeFlagsTiff(const Image<std::uint8_t>& flags, const std::filesystem::path& path) {
     Checksum sum;
-    sum.add(flags);
+    sum.add(std::as_bytes(flags.pixels()));
     const std::string description = sum.text();
     writeWhole(path, [&](TIFF* tiff) { writePage(tiff, flags, 8, 1, SAMPLEFORMAT_UINT, &description, path); });
 }
@@ -308,7 +288,7 @@ Image<std::uint8_t> readFlagsTiff(const std::filesystem::path& path, const Camer
     const std::string checksum = text;
     Image<std::uint8_t> flags = readPage<std::uint8_t>(tiff.get(), camera.width, camera.height, 8, 1, path);
     Checksum sum;
-    sum.add(flags);
+    sum.add(std::as_bytes(flags.pixels()));
     if (sum.text() != checksum)
         throw Failure("has changed since it was written: its checksum differs", path, kReadRemedy);
     return flags;

@@ -1,5 +1,7 @@
 #include "scene/image_spill.h"
 
+#include "scene/checksum.h"
+
 #include <cerrno>
 #include <cstdlib>
 #include <span>
@@ -21,8 +23,9 @@ int openNameless(const std::filesystem::path& folder) {
     // Not every file system has files without names.
     std::string name = folder / ".spill-XXXXXX";
     const int named = mkostemp(name.data(), O_CLOEXEC);
-    if (named >= 0) unlink(name.c_str());
-    return named;
+    if (named < 0 || unlink(name.c_str()) == 0) return named;
+    close(named);
+    return -1;
 }
 
 /// Of all bytes, with a call like pread or pwrite.
@@ -57,48 +60,57 @@ void fit(Image<T>& picture, const Camera& camera) {
 
 } // namespace
 
-ImageSpill::ImageSpill(const std::filesystem::path& folder, double shareOfFree) : file_(openNameless(folder)) {
-    std::error_code error;
-    const std::filesystem::space_info space = std::filesystem::space(folder, error);
-    if (file_ >= 0 && !error) room_ = static_cast<std::uint64_t>(shareOfFree * static_cast<double>(space.available));
-}
+ImageSpill::ImageSpill(const std::filesystem::path& folder, double shareOfFree)
+    : folder_(folder), shareOfFree_(shareOfFree), file_(openNameless(folder)) {}
 
 ImageSpill::~ImageSpill() {
     if (file_ >= 0) close(file_);
 }
 
+std::optional<std::uint64_t> ImageSpill::take(std::uint64_t bytes) {
+    if (file_ < 0 || isGone_) return {};
+    const std::lock_guard lock(mutex_);
+    std::error_code error;
+    const std::filesystem::space_info space = std::filesystem::space(folder_, error);
+    const double free = static_cast<double>(space.available) + static_cast<double>(end_);
+    if (error || static_cast<double>(end_ + bytes) > shareOfFree_ * free) return {};
+    return std::exchange(end_, end_ + bytes);
+}
+
 std::optional<ImageSpill::Place> ImageSpill::put(const DepthImage& image) {
-    const std::uint64_t bytes = bytesOf(image.camera);
-    std::uint64_t at = 0;
-    {
-        const std::lock_guard lock(mutex_);
-        if (bytes > room_ - end_) return {};
-        at = std::exchange(end_, end_ + bytes);
-    }
-    std::uint64_t next = at;
+    const std::optional<std::uint64_t> at = take(bytesOf(image.camera));
+    if (!at) return {};
+    Checksum sum;
+    std::uint64_t next = *at;
     const bool isWhole = forPictures(image, [&](std::span<const std::byte> picture) {
+        sum.add(picture);
         const std::uint64_t from = std::exchange(next, next + picture.size());
         return moveAll(pwrite, file_, picture, from);
     });
     if (!isWhole) {
-        const std::lock_guard lock(mutex_);
-        room_ = end_; // the disk is full, or worse
+        isGone_ = true;
+        // What cannot be given back goes with the process.
+        static_cast<void>(ftruncate(file_, 0) == 0);
         return {};
     }
-    return Place{at, {image.name, image.camera, image.worldFromCamera, {}, {}, {}}};
+    return Place{*at, sum.value(), {image.name, image.camera, image.worldFromCamera, {}, {}, {}}};
 }
 
 std::optional<DepthImage> ImageSpill::get(const Place& place, DepthImage spare) const {
+    if (isGone_) return {};
     DepthImage image = std::move(spare);
     image.name = place.header.name, image.camera = place.header.camera;
     image.worldFromCamera = place.header.worldFromCamera;
     fit(image.colour, image.camera), fit(image.disparity, image.camera), fit(image.flags, image.camera);
+    Checksum sum;
     std::uint64_t next = place.at;
     const bool isWhole = forPictures(image, [&](std::span<std::byte> picture) {
         const std::uint64_t from = std::exchange(next, next + picture.size());
-        return moveAll(pread, file_, picture, from);
+        const bool isRead = moveAll(pread, file_, picture, from);
+        sum.add(picture);
+        return isRead;
     });
-    if (!isWhole) return {};
+    if (!isWhole || sum.value() != place.checksum) return {};
     return image;
 }
 

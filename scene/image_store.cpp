@@ -8,6 +8,7 @@
 #include <cassert>
 #include <exception>
 #include <limits>
+#include <new>
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -15,8 +16,10 @@
 
 namespace scene {
 
-ImageStore::ImageStore(std::vector<StoredImage> images, std::size_t budgetBytes, std::filesystem::path spillFolder)
-    : budgetBytes_(budgetBytes), spillFolder_(std::move(spillFolder)) {
+ImageStore::ImageStore(std::vector<StoredImage> images, std::size_t budgetBytes,
+                       const std::filesystem::path& spillFolder)
+    : budgetBytes_(budgetBytes) {
+    if (!spillFolder.empty()) spill_.emplace(spillFolder);
     entries_.resize(images.size());
     for (std::size_t i = 0; i < images.size(); ++i)
         entries_[i].stored = std::move(images[i]);
@@ -42,7 +45,7 @@ ImageStore::Lease ImageStore::borrow(std::size_t index) {
     if (entry.state == State::absent) {
         entry.state = State::busy;
         const std::size_t bytes = bytesOf(entry.stored.camera);
-        const std::vector<Entry*> going = chooseToGo(bytes);
+        Entry* const going = chooseToGo(bytes);
         residentBytes_ += bytes;
         peakBytes_ = std::max(peakBytes_, residentBytes_);
         lock.unlock();
@@ -101,8 +104,8 @@ void ImageStore::giveBack(std::size_t index) {
     --entries_[index].borrowers;
 }
 
-std::vector<ImageStore::Entry*> ImageStore::chooseToGo(std::size_t bytes) {
-    std::vector<Entry*> going;
+ImageStore::Entry* ImageStore::chooseToGo(std::size_t bytes) {
+    Entry* going = nullptr;
     while (residentBytes_ + bytes > budgetBytes_) {
         Entry* oldest = nullptr;
         for (Entry& entry : entries_)
@@ -111,24 +114,30 @@ std::vector<ImageStore::Entry*> ImageStore::chooseToGo(std::size_t bytes) {
         if (!oldest) break;
         residentBytes_ -= bytesOf(oldest->stored.camera);
         oldest->state = State::busy;
-        going.push_back(oldest);
+        oldest->nextToGo = std::exchange(going, oldest);
     }
-    if (!going.empty() && !spillFolder_.empty() && !spill_) spill_.emplace(spillFolder_);
     return going;
 }
 
-DepthImage ImageStore::letGo(std::span<Entry* const> going, const Camera& camera) {
+DepthImage ImageStore::letGo(Entry* going, const Camera& camera) noexcept {
     DepthImage spare;
-    for (Entry* const entry : going) {
-        if (spill_ && !entry->spilt) entry->spilt = spill_->put(entry->image);
+    for (Entry* entry = going; entry; entry = entry->nextToGo) {
+        try {
+            if (spill_ && !entry->spilt) entry->spilt = spill_->put(entry->image);
+        } catch (const std::bad_alloc&) {
+            // Then it is read from its file.
+        }
         const Camera& old = entry->stored.camera;
         if (old.width == camera.width && old.height == camera.height) spare = std::move(entry->image);
         entry->image = {};
     }
+    if (!going) return spare;
     const std::lock_guard lock(mutex_);
-    for (Entry* const entry : going)
-        entry->state = State::absent;
-    if (!going.empty()) moved_.notify_all();
+    while (going) {
+        going->state = State::absent;
+        going = std::exchange(going->nextToGo, nullptr);
+    }
+    moved_.notify_all();
     return spare;
 }
 

@@ -8,7 +8,6 @@
 #include <functional>
 #include <mutex>
 #include <optional>
-#include <span>
 #include <utility>
 #include <vector>
 
@@ -29,7 +28,7 @@ class ImageStore {
   public:
     /// spillFolder: where what is dropped is laid aside, if there is room, to be had again sooner than from its file;
     /// for who asks for images again and again. Empty: nowhere.
-    ImageStore(std::vector<StoredImage> images, std::size_t budgetBytes, std::filesystem::path spillFolder = {});
+    ImageStore(std::vector<StoredImage> images, std::size_t budgetBytes, const std::filesystem::path& spillFolder = {});
     /// A store whose images are simply given (tests, small scenes).
     explicit ImageStore(std::vector<DepthImage> images);
 
@@ -53,15 +52,15 @@ class ImageStore {
         int borrowers = 0;
         std::uint64_t lastUse = 0;
         std::optional<ImageSpill::Place> spilt{};
+        Entry* nextToGo = nullptr;
     };
     void giveBack(std::size_t index);
-    std::vector<Entry*> chooseToGo(std::size_t bytes);
-    DepthImage letGo(std::span<Entry* const> going, const Camera& camera); ///< one of them, if it is as large
+    Entry* chooseToGo(std::size_t bytes);                          ///< so many as make room, in a list; busy
+    DepthImage letGo(Entry* going, const Camera& camera) noexcept; ///< one of them, if it is as large
     DepthImage load(const Entry& entry, DepthImage spare) const;
 
     std::vector<Entry> entries_;
     std::size_t budgetBytes_, residentBytes_ = 0, peakBytes_ = 0;
-    std::filesystem::path spillFolder_;
     std::optional<ImageSpill> spill_;
     std::uint64_t clock_ = 0;
     mutable std::mutex mutex_;

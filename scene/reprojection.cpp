@@ -131,4 +131,11 @@ glm::vec3 colourAt(const DepthImage& target, float u, float v) {
     return glm::mix(above, below, at.t);
 }
 
+bool hasColourAt(const DepthImage& target, float u, float v) {
+    const Corners at = cornersAbout(target.camera, u, v);
+    return ((target.flags(at.x0, at.y0) | target.flags(at.x1, at.y0) | target.flags(at.x0, at.y1) |
+             target.flags(at.x1, at.y1)) &
+            kNoColour) == 0;
+}
+
 } // namespace scene

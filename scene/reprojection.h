@@ -114,6 +114,8 @@ inline glm::vec3 colourWithin(const DepthImage& image, float u, float v) {
 
 /// The same anywhere in the image; its rim goes on beyond it. Of B, where compareWith found a smooth surface.
 glm::vec3 colourAt(const DepthImage& target, float u, float v);
+/// Whether all of what that is mixed of has a colour of its own (kNoColour).
+bool hasColourAt(const DepthImage& target, float u, float v);
 
 // Inline, since the stages of refine compare every sample with every partner. The parts of the result stay apart until
 // the end: g++ 12 would carry a whole Comparison through memory, and wait for it there.

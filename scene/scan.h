@@ -23,8 +23,8 @@ struct Scan {
     Pose worldFromScanner;
     int rows = 0, columns = 0;
     std::vector<glm::vec3> pointsInScanner;
-    std::vector<Rgb8> colours; ///< one for each point; from intensity (grey) or mid-grey where the scan has no colour
-    bool hasColour = false;    ///< of its own, any point
+    std::vector<Rgb8> colours;    ///< one for each point; from intensity (grey) or mid-grey where it has none
+    bool hasColour = false;       ///< of its own, any point
     std::vector<bool> isColoured; ///< one for each point where some have colour and others have not; else empty
     std::vector<std::int32_t> row, column;
     std::int64_t invalidPoints = 0; ///< points the file marks invalid or that are not finite; not among the points

@@ -236,7 +236,6 @@ class Colours {
 
     /// Without colour a point is as bright as what came back.
     void finish(Scan& scan) const {
-        scan.hasColour = hasColour;
         if (!scan.isColoured.empty()) scan.settleColours();
         if (!hasIntensity_) return;
         const Limits& limits = intensity_.known() ? intensity_ : observed_;

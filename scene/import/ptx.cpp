@@ -117,6 +117,7 @@ void colourByIntensity(const std::vector<float>& intensities, Scan& scan) {
     for (const float intensity : intensities)
         if (std::isfinite(intensity)) lowest = std::min(lowest, intensity), highest = std::max(highest, intensity);
     for (std::size_t i = 0; i < intensities.size(); ++i) {
+        if (scan.hasColourAt(i)) continue;
         const float unit = (intensities[i] - lowest) / (highest - lowest);
         const auto grey =
             std::isfinite(unit) ? static_cast<std::uint8_t>(std::lround(unit * 255.0f)) : std::uint8_t{128};
@@ -166,7 +167,7 @@ class Cloud {
             hasRgb ? Rgb8{colourByte(numbers[rgb]), colourByte(numbers[rgb + 1]), colourByte(numbers[rgb + 2])}
                    : Rgb8{128, 128, 128});
         const bool hasIntensity = numbers.size() == 4 || numbers.size() == 7;
-        if (!scan_.hasColour) intensities_.push_back(hasIntensity ? static_cast<float>(numbers[3]) : NAN);
+        intensities_.push_back(hasIntensity ? static_cast<float>(numbers[3]) : NAN);
         scan_.row.push_back(static_cast<std::int32_t>(cell % header_.rows));
         scan_.column.push_back(static_cast<std::int32_t>(cell / header_.rows));
         points_.add(p);
@@ -175,7 +176,7 @@ class Cloud {
     void finish() {
         const std::optional<glm::dvec3> origin = points_.finish();
         scan_.settleColours();
-        if (!scan_.hasColour) colourByIntensity(intensities_, scan_);
+        if (!scan_.hasColour || !scan_.isColoured.empty()) colourByIntensity(intensities_, scan_);
         scan_.rows = header_.rows;
         scan_.columns = header_.columns;
         if (!origin) return;

@@ -31,8 +31,10 @@ class ColourMean {
         return {byte(sum.colour.x), byte(sum.colour.y), byte(sum.colour.z)};
     }
 
-    /// kNoColour if no point's colour is known.
-    std::uint8_t flags() const { return known_.weight > 0 ? std::uint8_t{0} : std::uint8_t{kNoColour}; }
+    /// kNoColour if of most of it the colour is not known: what knows it better may then say.
+    std::uint8_t flags() const {
+        return known_.weight > 0 && known_.weight >= grey_.weight ? std::uint8_t{0} : std::uint8_t{kNoColour};
+    }
 
   private:
     struct Sum {

@@ -148,6 +148,7 @@ std::vector<DepthImage> layersOf(const Scan& scan, const ScanGrid* grid, const O
 
 CubeFaceReport projectToCubeFaces(const Scan& scan, const CubeFaceOptions& options, const TakeFace& take) {
     assert(scan.colours.size() == scan.pointsInScanner.size());
+    assert(scan.isColoured.empty() || scan.isColoured.size() == scan.pointsInScanner.size());
     CubeFaceReport report;
     report.points = static_cast<std::int64_t>(scan.pointsInScanner.size());
     if (scan.pointsInScanner.empty()) return report;

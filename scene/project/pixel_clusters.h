@@ -20,7 +20,7 @@ struct LayerSample {
     std::int32_t x = 0, y = 0;
     float disparity = 0;
     Rgb8 colour;
-    std::uint8_t flags = 0; ///< PixelFlags
+    std::uint8_t flags = 0; ///< SampleFlag
 };
 
 struct PixelClusters {

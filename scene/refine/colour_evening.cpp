@@ -44,7 +44,7 @@ std::optional<Ratio> ratioOf(const DepthImage& image, const DepthImage& other, c
                 sightingOf(into, static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f, image.disparity(x, y));
             const Comparison comparison = compareWith(other, at, options.comparison);
             if (comparison.relation != Relation::agrees || !comparison.isSmooth) continue;
-            if (other.flags(static_cast<int>(at.u), static_cast<int>(at.v)) & kNoColour) continue;
+            if (!hasColourAt(other, at.u, at.v)) continue;
             const glm::vec3 seen = colourAt(other, at.u, at.v) + 0.5f;
             const Rgb8 there{static_cast<std::uint8_t>(seen.x), static_cast<std::uint8_t>(seen.y),
                              static_cast<std::uint8_t>(seen.z)};

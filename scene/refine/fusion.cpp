@@ -140,7 +140,7 @@ DepthImage fuse(ImageStore& images, std::size_t index, const std::vector<Partner
             }
             const std::uint8_t partnersFlags = partner.flags(static_cast<int>(at.u), static_cast<int>(at.v));
             mean.isMeasured |= !isClosed(partnersFlags);
-            const bool isColoured = (partnersFlags & kNoColour) == 0;
+            const bool isColoured = hasColourAt(partner, at.u, at.v);
             if (mean.isColoured && !isColoured) return;
             if (isColoured && !mean.isColoured) {
                 mean.colour = glm::vec3(0), mean.colourWeight = 0;

@@ -80,6 +80,7 @@ void writePictures(const scene::ScanForPhotographs& scan, const scene::Photograp
     };
     scene::Scan grey = scan.scan;
     grey.colours = scan.reflectance;
+    grey.isColoured = {};
     scene::DepthImage seen = projectToCamera(
         grey, scan.traits, inverse(photo.scannerFromGiven),
         scene::widened(photo.camera, scene::ColourToRangeOptions{}.reachRadians, 1 / photo.camera.fx), scan.planar);

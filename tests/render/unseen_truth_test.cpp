@@ -277,7 +277,7 @@ class PathTruth {
 struct How {
     Warp warp = Warp::mesh;
     double reach = 1;
-    int every = 2; ///< of the path's poses, 200 of 400; all of them in long tests alone
+    int every = 2; ///< of the path's poses, 200 of 400; all of them in long tests alone, else one in kSparsely
     /// Of the coverage's tree; 0: all. Fewer are brought where a device has no room for the finest cells, here wider
     /// than a sample of these scans, and it is the same truth still. Few places decide what is missed of one pixel in a
     /// thousand, and one pose sees several pixels of such a place: of the coarsest many poses are asked.
@@ -285,7 +285,7 @@ struct How {
     double leastCellMetres = 0; ///< than which cells are then wider
 };
 
-constexpr int kPoses = 400;
+constexpr int kPoses = 400, kSparsely = 4;
 
 struct Count {
     std::atomic<std::int64_t> unseen{0}, missed{0}, observed{0}, wronged{0}, between{0};
@@ -349,7 +349,7 @@ void expectTruth(const Place& place, const std::vector<How>& ways) {
     const GpuScene gpuScene(testDevice(), blocks);
     std::vector<std::unique_ptr<Row>> rows;
     for (const How& how : ways)
-        if (how.every > 1 || tests::areLong()) rows.push_back(rowOf(place, how));
+        rows.push_back(rowOf(place, how));
     Renderer renderer(testDevice(), gpuScene, kCamera.width, kCamera.height, 2);
     renderer.letFramesStand(true);
     PathTruth truth(place, kPoses);
@@ -358,7 +358,7 @@ void expectTruth(const Place& place, const std::vector<How>& ways) {
     quality.holes.radius = 4; // as the presets have it
     for (int pose = 0; pose < truth.poses(); ++pose)
         for (const std::unique_ptr<Row>& row : rows) {
-            if (pose % row->how.every != 0) continue;
+            if (pose % (row->how.every > 1 || tests::areLong() ? row->how.every : kSparsely) != 0) continue;
             quality.warp = row->how.warp;
             renderer.useCoverage(row->coverage.get());
             renderer.draw(truth.eyes(pose), quality);

@@ -1,18 +1,17 @@
 #include "scene/depth_tiff.h"
 
 #include "scene/errors.h"
+#include "tests/scene/file_size_limit.h"
 #include "tests/scene/random_poses.h"
 #include "tests/scene/scratch_folder.h"
 
 #include <algorithm>
-#include <csignal>
 #include <cstring>
 #include <limits>
 #include <set>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
-#include <sys/resource.h>
 #include <tiffio.h>
 #include <xxhash.h>
 
@@ -242,26 +241,6 @@ TEST_F(DepthTiff, WithANameThatIsNotUtf8IsAFailure) {
     EXPECT_NE(message.find("not UTF-8"), std::string::npos) << message;
     EXPECT_EQ(folder_.fileCount(), 0u);
 }
-
-/// While this lives no file can grow beyond a size: what a full disk looks like, without one.
-class FileSizeLimit {
-  public:
-    explicit FileSizeLimit(std::size_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
-        getrlimit(RLIMIT_FSIZE, &before_);
-        const rlimit limit{bytes, before_.rlim_max};
-        setrlimit(RLIMIT_FSIZE, &limit);
-    }
-    ~FileSizeLimit() {
-        setrlimit(RLIMIT_FSIZE, &before_);
-        std::signal(SIGXFSZ, handler_);
-    }
-    FileSizeLimit(const FileSizeLimit&) = delete;
-    FileSizeLimit& operator=(const FileSizeLimit&) = delete;
-
-  private:
-    rlimit before_{};
-    void (*handler_)(int);
-};
 
 TEST_F(DepthTiff, OnAFullDiskIsAFailureThatLeavesWhatWasThere) {
     const auto path = folder_ / "image.tiff";

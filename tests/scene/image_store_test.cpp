@@ -2,6 +2,7 @@
 
 #include "scene/depth_tiff.h"
 #include "scene/errors.h"
+#include "tests/scene/file_size_limit.h"
 #include "tests/scene/random_poses.h"
 #include "tests/scene/scratch_folder.h"
 #include "tests/scene/stored_images.h"
@@ -180,6 +181,13 @@ TEST_F(StoredImages, AreReadFromTheirFilesWhereNoneCanBeLaidAside) {
     ASSERT_TRUE(back);
     EXPECT_EQ(back->name, "2");
     EXPECT_TRUE(back->colour == imageNumber(2).colour);
+    // The disk is full amid the third: all is given back, and what lay there is not taken for what it was.
+    {
+        const FileSizeLimit limit(2 * bytesOf(kCamera) + 100);
+        EXPECT_FALSE(some.put(imageNumber(3)));
+    }
+    EXPECT_FALSE(some.get(*first, {}));
+    EXPECT_FALSE(some.put(imageNumber(4)));
 }
 
 TEST_F(StoredImages, WithADamagedFileThrowAndCanBeAskedForAgain) {

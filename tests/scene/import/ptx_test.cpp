@@ -64,6 +64,13 @@ TEST_F(Ptx, PointsStandColumnByColumn) {
     EXPECT_EQ(scan.colours[4], (Rgb8{255, 255, 255}));
 }
 
+TEST_F(Ptx, LinesWithoutColourAreAsBrightAsWhatCameBack) {
+    const Scan scan = readOne("1\n3\n" + kAtHome + "1 0 0 0.5 10 20 30\n2 0 0 1.0\n3 0 0 40 50 60\n");
+    EXPECT_TRUE(scan.hasColour);
+    EXPECT_EQ(scan.isColoured, (std::vector<bool>{true, false, true}));
+    EXPECT_EQ(scan.colours, (std::vector<Rgb8>{{10, 20, 30}, {255, 255, 255}, {40, 50, 60}}));
+}
+
 TEST_F(Ptx, TheTranslationIsTheLastRow) {
     const Scan scan = readOne("1\n1\n" + kTurned + "1 0 0 0.5 10 20 30\n");
     EXPECT_TRUE(scan.hasColour);

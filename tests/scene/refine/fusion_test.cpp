@@ -252,6 +252,21 @@ TEST(Fusion, SamplesWithoutColourTakeThatOfWhoeverHasAny) {
     EXPECT_NE(none.flags(90, 60) & kNoColour, 0);
 }
 
+TEST(Fusion, ColoursAreNotMixedWithTheGreyBesideThem) {
+    std::vector<DepthImage> images;
+    for (int i = 0; i < 2; ++i) // the other's pixels lie halfway between those of the first
+        images.push_back(imageOf(
+            smallCamera(), {glm::dmat3(1.0), {i / smallCamera().fx, 0, 0}}, [](double, double) { return 0.5; },
+            Rgb8{200, 120, 60}));
+    for (int y = 0; y < images[1].camera.height; ++y)
+        for (int x = 0; x < 80; ++x)
+            images[1].colour(x, y) = {40, 40, 40}, images[1].flags(x, y) |= kNoColour;
+    ImageStore store(images);
+    const DepthImage fused = fuse(store, 0, allBut(2, 0), keepAll(), {});
+    for (int x = 60; x < 100; ++x)
+        EXPECT_TRUE((fused.colour(x, 60) == Rgb8{200, 120, 60})) << x;
+}
+
 TEST(Fusion, KeepsTheSkyAtInfinity) {
     std::vector<DepthImage> images;
     for (int i = 0; i < 2; ++i)
