@@ -20,7 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-constexpr double kMemoryGrowth = 1.02;
+constexpr double kMemoryGrowth = 1.005; ///< once all that the path shows has been drawn
 
 /// About the place where a walk begins, for so long.
 void writePath(const fs::path& path, double seconds) {
@@ -34,8 +34,8 @@ void writePath(const fs::path& path, double seconds) {
     scene::writeFile(path, json{{"space", "walk"}, {"poses", poses}}.dump());
 }
 
-TEST(LongWalk, ManyFramesTakeNoMoreThanTwoThousand) {
-    const int many = tests::areLong() ? 20000 : 5000;
+TEST(LongWalk, ManyFramesTakeNoMoreThanTheFirstFewThousand) {
+    const int many = tests::areLong() ? 20000 : 7000;
     const app::SampleScene room("room", 4, "40x30");
     const scene::ScratchFolder scratch;
     const fs::path path = scratch / "path.json", out = scratch / "out";
@@ -46,15 +46,15 @@ TEST(LongWalk, ManyFramesTakeNoMoreThanTwoThousand) {
                                               "32x24", "--out", out.string(), "--picture-every", "1000"}),
                        scratch.path());
     const auto isKept = [&](const char* name) { return [&out, name] { return fs::exists(out / name); }; };
-    ASSERT_TRUE(walker.waitUntil(isKept("frame-002000-right.png"))) << walker.said();
+    ASSERT_TRUE(walker.waitUntil(isKept("frame-005000-right.png"))) << walker.said();
     const app::Holdings early = walker.holdings();
-    ASSERT_TRUE(walker.waitUntil(isKept(many == 20000 ? "frame-020000-right.png" : "frame-005000-right.png")))
+    ASSERT_TRUE(walker.waitUntil(isKept(many == 20000 ? "frame-020000-right.png" : "frame-007000-right.png")))
         << walker.said();
     const app::Holdings late = walker.holdings();
     walker.interrupt();
     const app::Outcome ended = walker.waitForEnd();
     EXPECT_EQ(ended.status, 0) << ended.output;
-    std::printf("%d frames: %.2f MiB after 2,000, %.2f MiB at the end\n", many,
+    std::printf("%d frames: %.2f MiB after 5,000, %.2f MiB at the end\n", many,
                 static_cast<double>(early.memoryBytes) / (1 << 20), static_cast<double>(late.memoryBytes) / (1 << 20));
     ASSERT_GT(early.memoryBytes, 0u);
     EXPECT_LE(static_cast<double>(late.memoryBytes), kMemoryGrowth * static_cast<double>(early.memoryBytes));
