@@ -32,11 +32,12 @@ scene::ImageStore openImages(const std::vector<scene::StoredImage>& images, cons
     return {images, options.memoryBytes / 2, store.folder()};
 }
 
-/// Half for pixels and for what the one at hand becomes: of large images and little memory that is more, since pixels
-/// keep an eighth of the whole.
+/// Half for pixels and for what the one at hand becomes, and the trees: of large images and little memory that is more,
+/// since pixels keep an eighth of the whole.
 scene::ImageStore openImagesToCover(const std::vector<scene::StoredImage>& images, const BuildOptions& options) {
     const std::uint64_t half = options.memoryBytes / 2, buffers = scene::OpenSpaces::bytesOfBuffers(images);
-    return {images, std::max(half - std::min(half, buffers), half / 4)};
+    const std::uint64_t trees = scene::bytesToCover(options.coverage);
+    return {images, std::max(half - std::min(half, buffers + trees), half / 4)};
 }
 
 bool isThere(const std::filesystem::path& path) {

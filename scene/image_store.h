@@ -31,6 +31,10 @@ class ImageStore {
     ImageStore(std::vector<StoredImage> images, std::size_t budgetBytes, const std::filesystem::path& spillFolder = {});
     /// A store whose images are simply given (tests, small scenes).
     explicit ImageStore(std::vector<DepthImage> images);
+    /// Memory goes back to the system: what comes next wants it for something else.
+    ~ImageStore();
+    ImageStore(const ImageStore&) = delete;
+    ImageStore& operator=(const ImageStore&) = delete;
 
     class Lease;
     std::size_t size() const { return entries_.size(); }

@@ -417,6 +417,11 @@ class FinestThatFits {
 
 } // namespace
 
+std::uint64_t bytesToCover(const CoverOptions& options) {
+    // The coarse one beside the finest that is tried.
+    return sizeof(Growing) * (kOnTheWay + 1) * options.maxNodes;
+}
+
 Coverage cover(ImageStore& images, const CoverOptions& options, CoverFigures& figures,
                const std::function<void()>& advance) {
     std::vector<Box> boxes(images.size());

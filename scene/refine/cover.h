@@ -35,6 +35,9 @@ struct CoverFigures {
            emptyCubicMetres = 0; ///< within the box about all samples and cameras
 };
 
+/// Bytes that trees take while they grow, at most.
+std::uint64_t bytesToCover(const CoverOptions& options);
+
 /// Coverage of the cube about all samples and cameras, from images whose skins are marked (refine/skins.h). advance is
 /// called for each image, thrice. The same tree on any number of threads. No image: a cube of a metre that
 /// nobody observed, and no figures.
