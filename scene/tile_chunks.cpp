@@ -1,17 +1,15 @@
 #include "scene/tile_chunks.h"
 
+#include "scene/checksum.h"
 #include "scene/facets.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
-#include <memory>
 
 #include <sys/mman.h>
 #include <unistd.h>
-
-#include <xxhash.h>
 
 namespace scene {
 
@@ -78,11 +76,10 @@ std::vector<TileChunk> chunksOf(const TileBlock& block, std::size_t maxBytes) {
 }
 
 std::uint64_t checksumOf(const TileBlock& block, const TileChunk& chunk) {
-    const std::unique_ptr<XXH3_state_t, XXH_errorcode (*)(XXH3_state_t*)> state(XXH3_createState(), XXH3_freeState);
-    XXH3_64bits_reset(state.get());
+    Checksum sum;
     for (const std::span<const std::byte> part : partsOf(block, chunk))
-        XXH3_64bits_update(state.get(), part.data(), part.size());
-    return XXH3_64bits_digest(state.get());
+        sum.add(part);
+    return sum.value();
 }
 
 bool isSound(const TileBlock& block, const TileChunk& chunk, std::size_t number) {

@@ -20,7 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-constexpr double kMemoryGrowth = 1.005; ///< once all that the path shows has been drawn
+constexpr double kMemoryGrowth = 1.001; ///< once all that the path shows has been drawn
 
 /// About the place where a walk begins, for so long.
 void writePath(const fs::path& path, double seconds) {
