@@ -76,18 +76,6 @@ scene::CubeFaceOptions within(scene::CubeFaceOptions faces, std::uint64_t memory
 
 constexpr std::uint64_t kBytesPerPoint = 48; ///< of a scan that is read, its faces with it
 
-/// How many scans may be imported at a time within that memory: reading one is the work of one thread.
-std::size_t scansTogether(std::span<const scene::ScanSource> scans, std::uint64_t memoryBytes) {
-    constexpr std::uint64_t kAlways = std::uint64_t{512} << 20; // faces of thinly spread points are larger than that
-    std::uint64_t most = 1;
-    for (const scene::ScanSource& scan : scans)
-        most = std::max({most, static_cast<std::uint64_t>(std::max<std::int64_t>(scan.pointCount, 0)),
-                         static_cast<std::uint64_t>(scan.rows) * static_cast<std::uint64_t>(scan.columns)});
-    const std::uint64_t room = memoryBytes / (kAlways + kBytesPerPoint * std::min(most, memoryBytes / kBytesPerPoint));
-    return std::clamp(static_cast<std::size_t>(room), std::size_t{1},
-                      static_cast<std::size_t>(tbb::this_task_arena::max_concurrency()));
-}
-
 bool lacksColour(const scene::DepthImage& face) {
     return std::ranges::any_of(face.flags.pixels(), [](std::uint8_t flags) {
         return scene::isSurface(flags) && (flags & scene::kNoColour) != 0;
@@ -152,6 +140,17 @@ scene::StoredImage storedImage(const std::filesystem::path& file) {
 }
 
 } // namespace
+
+std::size_t scansTogether(std::span<const scene::ScanSource> scans, std::uint64_t memoryBytes) {
+    constexpr std::uint64_t kAlways = std::uint64_t{512} << 20; // faces of thinly spread points are larger than that
+    std::uint64_t most = 1;
+    for (const scene::ScanSource& scan : scans)
+        most = std::max({most, static_cast<std::uint64_t>(std::max<std::int64_t>(scan.pointCount, 0)),
+                         static_cast<std::uint64_t>(scan.rows) * static_cast<std::uint64_t>(scan.columns)});
+    const std::uint64_t room = memoryBytes / (kAlways + kBytesPerPoint * std::min(most, memoryBytes / kBytesPerPoint));
+    return std::clamp(static_cast<std::size_t>(room), std::size_t{1},
+                      static_cast<std::size_t>(tbb::this_task_arena::max_concurrency()));
+}
 
 std::size_t photosTogether(std::span<const scene::PhotoSource> photos, std::uint64_t memoryBytes) {
     constexpr std::uint64_t kBytesPerPixel = 32; // the pictures as they are read and the image that they become

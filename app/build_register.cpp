@@ -4,11 +4,12 @@
 #include "app/progress.h"
 
 #include "scene/align/matches_file.h"
+#include "scene/align/pair_record.h"
 #include "scene/align/registration.h"
 #include "scene/camera_json.h"
 
-#include <cstdio>
-#include <numbers>
+#include <limits>
+#include <optional>
 
 namespace app {
 
@@ -17,7 +18,9 @@ namespace {
 using nlohmann::json;
 
 /// Changed whenever what registration finds changes, so that results of older versions are not taken for new ones.
-constexpr int kRegisterVersion = 3;
+constexpr int kRegisterVersion = 4;
+/// The same of a pair alone.
+constexpr int kPairVersion = 1;
 
 const char* nameOf(const scene::PairOutcome& pair) {
     if (pair.isRefused) return "refused by a third scan";
@@ -25,7 +28,7 @@ const char* nameOf(const scene::PairOutcome& pair) {
     case scene::PairVerdict::registered:
         return pair.result.isDecidedByGivenPose ? "registered as given" : "registered";
     case scene::PairVerdict::ambiguous:
-        return "ambiguous";
+        return pair.isSettled ? "ambiguous, settled by other scans" : "ambiguous";
     case scene::PairVerdict::contradicted:
         return "contradicted";
     case scene::PairVerdict::loose:
@@ -42,6 +45,7 @@ json describe(const std::vector<scene::ScanView>& views, const scene::Registrati
         const scene::ScanOutcome& scan = registration.scans[i];
         scans.push_back({{"name", views[i].name},
                          {"registered", scan.isRegistered},
+                         {"left_out", scan.isLost},
                          {"group", views[scan.group].name},
                          {"world_from_scanner", scene::rowMajor(scan.worldFromScanner)},
                          {"given_world_from_scanner", scene::rowMajor(views[i].givenWorldFromScanner)},
@@ -68,29 +72,57 @@ json describe(const std::vector<scene::ScanView>& views, const scene::Registrati
     return {{"scans", scans}, {"pairs", pairs}, {"rms_m", registration.rmsMetres}, {"remarks", registration.remarks}};
 }
 
+/// What of a scan's file decides what is found.
+json describePoints(const scene::ScanSource& scan) {
+    return {fingerprintOf(scan.path), scan.indexInFile, scan.byteInFile, describeReading(scan)};
+}
+
+json describe(const scene::PairOptions& pair) {
+    return {pair.leastOverlap, pair.mostAgainstShare, pair.mostAgainstShareGiven, pair.mostAgainstShareRival,
+            pair.leastSharedPlanes};
+}
+
 std::string keyOfRegistration(const scene::Capture& capture, const std::string& how,
                               const scene::RegistrationOptions& options) {
     json scans = json::array();
     for (const scene::ScanSource& scan : capture.scans)
-        scans.push_back(
-            {scan.name, fingerprintOf(scan.path), scan.indexInFile, scan.byteInFile, describeReading(scan)});
-    const scene::PairOptions& pair = options.pair;
-    return keyOf({kRegisterVersion,
-                  scans,
-                  how == "auto" ? json(how) : fingerprintOf(how),
-                  {pair.leastOverlap, pair.mostAgainstShare, pair.mostAgainstShareGiven, pair.mostAgainstShareRival,
-                   pair.leastSharedPlanes, options.leastJointOverlap}});
+        scans.push_back({scan.name, describePoints(scan)});
+    return keyOf({kRegisterVersion, kPairVersion, scans, how == "auto" ? json(how) : fingerprintOf(how),
+                  describe(options.pair), options.leastJointOverlap});
 }
 
-/// One scan's points are held at a time; what is kept of it has a fixed size.
-std::vector<scene::ScanView> viewsOf(const scene::Capture& capture) {
-    std::vector<scene::ScanView> views;
-    Progress progress("planes", capture.scans.size());
-    for (const scene::ScanSource& source : capture.scans) {
-        views.push_back(viewOf(readScan(source)));
+/// What is kept of a scan has a fixed size.
+std::vector<scene::ScanView> viewsOf(const scene::Capture& capture, std::uint64_t memoryBytes) {
+    std::vector<scene::ScanView> views(capture.scans.size());
+    Progress progress("planes", views.size());
+    scene::visitEach(views.size(), scansTogether(capture.scans, memoryBytes), [&](std::size_t i) {
+        views[i] = viewOf(readScan(capture.scans[i]));
         progress.advance();
-    }
+    });
     return views;
+}
+
+/// Of many scans there are thousands of pairs, of some seconds each. What is found of one is kept in a file of its own,
+/// by the points of the two alone: a build that was stopped goes on there, and so does one with further scans.
+scene::Registration registerFromNothing(const scene::Capture& capture, const std::vector<scene::ScanView>& views,
+                                        const scene::RegistrationOptions& options, StageStore& store) {
+    const std::filesystem::path folder = store.folderOf("pairs", keyOf({kPairVersion, describe(options.pair)}));
+    Progress progress("register", views.size() * (views.size() - 1) / 2);
+    const auto findPair = [&](std::size_t a, std::size_t b, const std::optional<scene::Pose>& rough) {
+        const std::filesystem::path file =
+            folder / keyOf({describePoints(capture.scans[a]), describePoints(capture.scans[b]),
+                            rough ? json(scene::rowMajor(*rough)) : json(nullptr)});
+        std::optional<scene::PairResult> result;
+        std::error_code none;
+        if (std::filesystem::exists(file, none)) result = scene::unpackPair(readWhole(file));
+        if (!result) {
+            result = registerPair(views[a], views[b], rough, options.pair);
+            writeWhole(file, scene::packPair(*result));
+        }
+        progress.advance();
+        return *result;
+    };
+    return registerScans(views, options, findPair);
 }
 
 scene::Registration registerAsMatched(const std::vector<scene::ScanView>& views, const std::filesystem::path& file,
@@ -100,8 +132,33 @@ scene::Registration registerAsMatched(const std::vector<scene::ScanView>& views,
         names.push_back(view.name);
     std::vector<scene::PairOutcome> pairs;
     for (const scene::GivenMatches& matches : scene::readMatchesFile(file, names))
-        pairs.push_back({matches.a, matches.b, pairFromMatches(views, matches, options.pair, file), false, false});
+        pairs.push_back({matches.a, matches.b, pairFromMatches(views, matches, options.pair, file)});
     return joinScans(views, std::move(pairs), options);
+}
+
+/// With the photographs beside them.
+void leaveOut(const std::vector<std::uint8_t>& isLost, scene::Capture& capture, scene::HeldOut& heldOut) {
+    static constexpr std::size_t kGone = std::numeric_limits<std::size_t>::max();
+    const auto take = [](auto& items, const auto& isGone) {
+        std::vector<std::size_t> places;
+        std::size_t kept = 0;
+        for (std::size_t i = 0; i < items.size(); ++i) {
+            places.push_back(isGone(i) ? kGone : kept);
+            if (isGone(i)) continue;
+            if (kept != i) items[kept] = std::move(items[i]);
+            ++kept;
+        }
+        items.erase(items.begin() + static_cast<std::ptrdiff_t>(kept), items.end());
+        return places;
+    };
+    const auto scans = take(capture.scans, [&](std::size_t i) { return isLost[i] != 0; });
+    const auto photos =
+        take(capture.scanPhotos, [&](std::size_t i) { return scans[capture.scanPhotos[i].scan] == kGone; });
+    for (scene::ScanPhoto& photo : capture.scanPhotos)
+        photo.scan = scans[photo.scan];
+    for (std::size_t& photo : heldOut.scanPhotos)
+        photo = photos[photo];
+    std::erase(heldOut.scanPhotos, kGone);
 }
 
 } // namespace
@@ -116,23 +173,19 @@ scene::Pose poseOf(const json& rows, const std::filesystem::path& file) {
     return pose;
 }
 
-json registerCapture(scene::Capture& capture, const BuildOptions& options, StageStore& store) {
+json registerCapture(scene::Capture& capture, scene::HeldOut& heldOut, const BuildOptions& options, StageStore& store) {
     if (!options.movesScans() || capture.scans.empty()) return nullptr;
     const scene::RegistrationOptions registrationOptions;
     const std::string key = keyOfRegistration(capture, options.registration, registrationOptions);
     const std::filesystem::path folder = store.find("registration", key, [&](const std::filesystem::path& part) {
-        const std::vector<scene::ScanView> views = viewsOf(capture);
-        if (options.registration != "auto") {
-            const scene::Registration registration =
-                registerAsMatched(views, options.registration, registrationOptions);
-            writeWhole(part / "registration.json", describe(views, registration).dump());
-            return;
-        }
-        Progress progress("register", views.size() * (views.size() - 1) / 2);
-        const scene::Registration registration = registerScans(views, registrationOptions, [&] { progress.advance(); });
+        const std::vector<scene::ScanView> views = viewsOf(capture, options.memoryBytes);
+        const scene::Registration registration =
+            options.registration == "auto" ? registerFromNothing(capture, views, registrationOptions, store)
+                                           : registerAsMatched(views, options.registration, registrationOptions);
         writeWhole(part / "registration.json", describe(views, registration).dump());
     });
     const json report = readJson(folder / "registration.json");
+    std::vector<std::uint8_t> isLost;
     for (std::size_t i = 0; i < capture.scans.size(); ++i) {
         const json& scan = report.at("scans").at(i);
         const std::string why = scan.at("why");
@@ -140,9 +193,11 @@ json registerCapture(scene::Capture& capture, const BuildOptions& options, Stage
         if (scan.at("registered").get<bool>())
             capture.scans[i].registeredWorldFromScanner =
                 poseOf(scan.at("world_from_scanner"), folder / "registration.json");
+        isLost.push_back(scan.at("left_out").get<bool>());
     }
     for (const json& sentence : report.at("remarks"))
         tell(capture, sentence);
+    leaveOut(isLost, capture, heldOut);
     return report;
 }
 

@@ -151,10 +151,10 @@ void sayIfOtherUnits(double medianMetres, scene::Capture& capture) {
 }
 
 /// The stages of a build, one after the other.
-void runStages(scene::Capture& capture, const scene::HeldOut& heldOut, const BuildOptions& options, StageStore& store,
+void runStages(scene::Capture& capture, scene::HeldOut heldOut, const BuildOptions& options, StageStore& store,
                const std::filesystem::path& output) {
     BuildReports reports;
-    reports.registration = registerCapture(capture, options, store);
+    reports.registration = registerCapture(capture, heldOut, options, store);
     reports.poses = adjustPoses(capture, heldOut.photos, options, store);
     PhotographStage photographs = layPhotographs(capture, heldOut.scanPhotos, options, store);
     checkLaid(heldOut, photographs, options);

@@ -9,6 +9,7 @@
 #include "scene/errors.h"
 #include "scene/image_store.h"
 #include "scene/import/capture.h"
+#include "scene/import/importer.h"
 #include "scene/overlap.h"
 #include "scene/refine/contradiction.h"
 #include "scene/refine/cover.h"
@@ -43,6 +44,9 @@ void standWhereFound(scene::Scan& scan, const scene::ScanSource& source);
 void checkScanSizes(std::span<const scene::ScanSource> scans, std::uint64_t memoryBytes);
 /// A scan from its file, with what was found of it.
 scene::Scan readScan(const scene::ScanSource& source);
+/// How many scans may be read at a time within that memory, with what is made of them: reading one is the work of one
+/// thread.
+std::size_t scansTogether(std::span<const scene::ScanSource> scans, std::uint64_t memoryBytes);
 /// How many photographs may be read at a time within half of that memory: one at least, no more than there are threads.
 std::size_t photosTogether(std::span<const scene::PhotoSource> photos, std::uint64_t memoryBytes);
 /// What the keys of stages must know of a photograph's files, camera and pose.
@@ -53,8 +57,10 @@ void tell(scene::Capture& capture, const std::string& sentence);
 nlohmann::json describeReading(const scene::ScanSource& scan);
 
 /// align: where scans stand, as BuildOptions::registration asks; puts what it finds into the capture's scans, and what
-/// there is to say into its remarks. Returns the report that scene.json and info have; null where nothing was done.
-nlohmann::json registerCapture(scene::Capture& capture, const BuildOptions& options, StageStore& store);
+/// there is to say into its remarks. Scans of which nobody knows where they stand are taken out of both, with the
+/// photographs beside them. Returns the report that scene.json and info have; null where nothing was done.
+nlohmann::json registerCapture(scene::Capture& capture, scene::HeldOut& heldOut, const BuildOptions& options,
+                               StageStore& store);
 
 /// align, too: where photographs with range stand in captures without scans, unless BuildOptions::registration is
 /// given. Those held out are laid on the others, which know nothing of them. Puts what it finds into the capture's

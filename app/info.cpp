@@ -76,9 +76,10 @@ void printSilhouettes(const json& silhouettes) {
 /// Where scans stand, and how well that is known.
 void printRegistration(const json& registration) {
     if (registration.is_null()) return;
-    std::size_t registered = 0;
+    std::size_t registered = 0, leftOut = 0;
     std::set<std::string> groups;
     for (const json& scan : registration.at("scans")) {
+        leftOut += scan.value("left_out", false);
         if (!scan.at("registered").get<bool>()) continue;
         ++registered;
         groups.insert(scan.at("group").get<std::string>());
@@ -88,6 +89,7 @@ void printRegistration(const json& registration) {
     std::printf("  registered %zu of %zu scans%s", registered, registration.at("scans").size(), apart.c_str());
     if (registered > 0)
         std::printf("; surfaces lie on each other to %.1f mm", 1e3 * registration.at("rms_m").get<double>());
+    if (leftOut > 0) std::printf("; %zu left out, since nothing says where they stand", leftOut);
     std::printf("\n");
     for (const json& pair : registration.at("pairs")) {
         if (!pair.at("used").get<bool>()) {

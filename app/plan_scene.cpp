@@ -51,11 +51,19 @@ void sayHowScansStand(const scene::Scene& scene) {
         return;
     }
     const nlohmann::json& scans = registration.at("scans");
-    const auto apart =
-        std::ranges::count_if(scans, [](const nlohmann::json& scan) { return !scan.at("registered").get<bool>(); });
+    std::size_t apart = 0, leftOut = 0;
+    for (const nlohmann::json& scan : scans)
+        if (scan.value("left_out", false))
+            ++leftOut;
+        else if (!scan.at("registered").get<bool>())
+            ++apart;
+    const std::string all = " of " + std::to_string(scans.size()) + " scans ";
     if (apart > 0)
-        sayNote(std::to_string(apart) + " of " + std::to_string(scans.size()) +
-                " scans could not be registered to the others and are taken to stand where their files say");
+        sayNote(std::to_string(apart) + all +
+                "could not be registered to the others and are taken to stand where their files say");
+    if (leftOut > 0)
+        sayNote(std::to_string(leftOut) + all +
+                "are not in the scene, since nothing says where they stand: what they saw counts as unseen");
 }
 
 /// Neither the plan nor the picture, whose name nobody gave, takes the place of anything but those of before.

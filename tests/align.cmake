@@ -1,6 +1,6 @@
 # Registration of scans.
 revisit_test(revisit_align_tests LABELS scenes TIMEOUT 300 LINKS scene_align scene_capture TBB::tbb
-    SOURCES scene/align/registration_test.cpp scene/align/scan_planes_test.cpp
+    SOURCES scene/align/registration_test.cpp scene/align/scan_groups_test.cpp scene/align/scan_planes_test.cpp
         scene/align/scanner_calibration_test.cpp)
 
 # Cameras from boards.
@@ -11,7 +11,8 @@ target_include_directories(revisit_board_tests SYSTEM PRIVATE ${OpenCV_INCLUDE_D
 
 # Photographs against each other.
 revisit_test(revisit_turn_tests WHOLE LABELS unit LINKS scene_align Eigen3::Eigen
-    SOURCES scene/align/neighbour_turn_test.cpp scene/align/normal_equations_test.cpp scene/align/turn_network_test.cpp)
+    SOURCES scene/align/neighbour_turn_test.cpp scene/align/normal_equations_test.cpp scene/align/pair_record_test.cpp
+        scene/align/turn_network_test.cpp)
 
 # Photographs with range against each other.
 revisit_test(revisit_joint_images_tests WHOLE LABELS unit TIMEOUT 300 LINKS scene_align scene_refine TBB::tbb

@@ -26,7 +26,7 @@ target_link_libraries(revisit_plan_program_tests PRIVATE scene)
 # Laser scans, from the simulated scanner to where they stand.
 revisit_program_test(revisit_scans_program_tests WHOLE LABELS programs TIMEOUT 300
     SOURCES app/comparison.cpp app/program.cpp app/scans_test.cpp scene/import/written_e57.cpp)
-target_link_libraries(revisit_scans_program_tests PRIVATE scene revisit_e57format)
+target_link_libraries(revisit_scans_program_tests PRIVATE scene scene_align revisit_e57format)
 
 # Photographs with range, whose poses are put right.
 revisit_program_test(revisit_poses_program_tests WHOLE LABELS programs TIMEOUT 300

@@ -18,9 +18,6 @@ namespace {
 constexpr double kSameScannerMetres = 0.02;
 constexpr double kOtherUnits =
     50; ///< times the range of another scan: millimetres, or feet and miles, not a larger room
-/// Scans of a group contradict each other if as much of what both saw cannot be. More than for a pair alone: errors of
-/// several pairs add up before all are adjusted.
-constexpr double kContradiction = 0.02, kLeastContradiction = 0.003;
 
 /// "1.2 %" for sentences.
 std::string shareText(double share) {
@@ -35,102 +32,36 @@ bool isIdentity(const Pose& pose) {
 
 /// Of each scan, whether anybody said where it stands. Files without poses leave scans at the origin, unturned; that
 /// one alone stands so may be meant.
-std::vector<bool> arePosesGiven(const std::vector<ScanView>& scans) {
+std::vector<bool> arePosesSaid(const std::vector<ScanView>& scans) {
     const auto unturned = std::count_if(scans.begin(), scans.end(),
                                         [](const ScanView& scan) { return isIdentity(scan.givenWorldFromScanner); });
-    std::vector<bool> areGiven;
+    std::vector<bool> areSaid;
     for (const ScanView& scan : scans)
-        areGiven.push_back(unturned < 2 || !isIdentity(scan.givenWorldFromScanner));
-    return areGiven;
+        areSaid.push_back(unturned < 2 || !isIdentity(scan.givenWorldFromScanner));
+    return areSaid;
 }
 
-class Joining {
+/// Groups, laid on what their scans have in common and put where they were said to stand.
+class Adjusting {
   public:
-    Joining(const std::vector<ScanView>& scans, const RegistrationOptions& options, Registration& registration)
-        : scans_(scans), options_(options), registration_(registration), group_(scans.size()), poses_(scans.size()) {
-        std::iota(group_.begin(), group_.end(), std::size_t{0});
-    }
+    Adjusting(const std::vector<ScanView>& scans, const ScanGroups& groups, const RegistrationOptions& options,
+              Registration& registration)
+        : scans_(scans), groups_(groups), options_(options), registration_(registration) {}
 
-    /// The surest pair first; a pair that would make two scans contradict each other joins nothing, nor does one that
-    /// not more pairs agree with than deny: of two that differ one is wrong, and neither says which.
-    void join() {
-        std::vector<PairOutcome*> sure;
-        for (PairOutcome& pair : registration_.pairs)
-            if (pair.result.verdict == PairVerdict::registered) sure.push_back(&pair);
-        std::stable_sort(sure.begin(), sure.end(), [](const PairOutcome* x, const PairOutcome* y) {
-            return x->result.best.evidence.agreeing > y->result.best.evidence.agreeing;
-        });
-        for (PairOutcome* pair : sure) {
-            const Pose groupFromB = poses_[pair->a] * pair->result.best.aFromB;
-            if (group_[pair->a] == group_[pair->b]) {
-                // A loop: it must close.
-                pair->isRefused = areElsewhere(inverse(poses_[pair->a]) * poses_[pair->b], pair->result.best.aFromB);
-                pair->isUsed = !pair->isRefused;
-                continue;
-            }
-            const Pose aFromOther = groupFromB * inverse(poses_[pair->b]);
-            const std::size_t from = group_[pair->b], into = group_[pair->a];
-            if (!isBelieved(into, from, aFromOther) || !areCompatible(into, from, aFromOther)) {
-                pair->isRefused = true;
-                continue;
-            }
-            pair->isUsed = true;
-            for (std::size_t i = 0; i < scans_.size(); ++i) {
-                if (group_[i] != from) continue;
-                poses_[i] = aFromOther * poses_[i];
-                group_[i] = into;
-            }
-        }
-    }
-
-    void adjust() {
-        for (std::size_t first = 0; first < scans_.size(); ++first) {
-            std::vector<std::size_t> members;
-            for (std::size_t i = 0; i < scans_.size(); ++i)
-                if (group_[i] == group_[first]) members.push_back(i);
-            if (members[0] == first) adjustGroup(members);
-        }
+    void adjust(const std::vector<bool>& areSaid) {
+        std::map<std::size_t, std::vector<std::size_t>> members;
+        for (std::size_t i = 0; i < scans_.size(); ++i)
+            members[groups_.groupOf(i)].push_back(i);
+        for (const auto& [group, ofGroup] : members)
+            adjustGroup(ofGroup, areSaid);
     }
 
   private:
-    /// Every pair between the groups that is sure has a say, and an ambiguous one denies what is none of its poses.
-    bool isBelieved(std::size_t into, std::size_t from, const Pose& intoFromOther) const {
-        int agreeing = 0, denying = 0;
-        for (const PairOutcome& pair : registration_.pairs) {
-            const PairVerdict verdict = pair.result.verdict;
-            if (verdict != PairVerdict::registered && verdict != PairVerdict::ambiguous) continue;
-            const bool isForth = group_[pair.a] == into && group_[pair.b] == from;
-            const bool isBack = group_[pair.a] == from && group_[pair.b] == into;
-            if (!isForth && !isBack) continue;
-            const Pose intoFromA = isForth ? poses_[pair.a] : intoFromOther * poses_[pair.a];
-            const Pose intoFromB = isForth ? intoFromOther * poses_[pair.b] : poses_[pair.b];
-            const Pose aFromB = inverse(intoFromA) * intoFromB;
-            const std::vector<Pose>& known = pair.result.plausible;
-            const bool agrees =
-                std::any_of(known.begin(), known.end(), [&](const Pose& pose) { return !areElsewhere(pose, aFromB); });
-            denying += !agrees;
-            agreeing += agrees && verdict == PairVerdict::registered; // one that fits at several places speaks for none
-        }
-        return agreeing > denying;
-    }
-
-    bool areCompatible(std::size_t into, std::size_t from, const Pose& intoFromOther) const {
-        PoseCheckOptions check;
-        check.stride = 3;
-        check.toleranceMetres = 0.08;
-        for (std::size_t i = 0; i < scans_.size(); ++i)
-            for (std::size_t j = 0; j < scans_.size(); ++j) {
-                if (group_[i] != into || group_[j] != from) continue;
-                const Pose iFromJ = inverse(poses_[i]) * intoFromOther * poses_[j];
-                const PoseEvidence evidence = checkPose(scans_[i].panorama, scans_[j].panorama, iFromJ, check);
-                if (evidence.against > kLeastContradiction && evidence.againstShare() > kContradiction) return false;
-            }
-        return true;
-    }
-
-    void adjustGroup(const std::vector<std::size_t>& members) {
-        const std::size_t first = members[0];
-        const Pose worldFromGroup = scans_[first].givenWorldFromScanner * inverse(poses_[first]);
+    void adjustGroup(const std::vector<std::size_t>& members, const std::vector<bool>& areSaid) {
+        const auto said = std::ranges::find_if(members, [&](std::size_t i) { return areSaid[i]; });
+        const std::size_t fixed = said == members.end() ? 0 : static_cast<std::size_t>(said - members.begin());
+        const std::size_t first = members[fixed];
+        const Pose worldFromGroup = scans_[first].givenWorldFromScanner * inverse(groups_.groupFromScanner(first));
         for (const std::size_t i : members)
             registration_.scans[i].group = first;
         if (members.size() == 1) {
@@ -141,8 +72,9 @@ class Joining {
         std::vector<Pose> poses;
         for (const std::size_t i : members) {
             panoramas.push_back(&scans_[i].panorama);
-            poses.push_back(worldFromGroup * poses_[i]);
+            poses.push_back(worldFromGroup * groups_.groupFromScanner(i));
         }
+        poses[fixed] = scans_[first].givenWorldFromScanner; // to the last bit
         PoseCheckOptions check;
         check.stride = 2;
         std::vector<std::pair<std::size_t, std::size_t>> pairs;
@@ -151,7 +83,7 @@ class Joining {
                 if (checkPose(*panoramas[i], *panoramas[j], inverse(poses[i]) * poses[j], check).agreeing >=
                     options_.leastJointOverlap)
                     pairs.emplace_back(i, j);
-        const JointResult joint = layOnSurfaces(panoramas, pairs, poses, 0);
+        const JointResult joint = layOnSurfaces(panoramas, pairs, poses, fixed);
         for (std::size_t i = 0; i < members.size(); ++i) {
             ScanOutcome& scan = registration_.scans[members[i]];
             scan.isRegistered = true;
@@ -173,7 +105,7 @@ class Joining {
                 const Pose iFromJ =
                     inverse(registration_.scans[i].worldFromScanner) * registration_.scans[j].worldFromScanner;
                 const PoseEvidence evidence = checkPose(scans_[i].panorama, scans_[j].panorama, iFromJ);
-                if (evidence.against <= kLeastContradiction || evidence.againstShare() <= kContradiction) continue;
+                if (!areContradictory(evidence)) continue;
                 registration_.remarks.push_back(
                     "Scans '" + scans_[i].name + "' and '" + scans_[j].name +
                     "' contradict each other where they were registered: " + shareText(evidence.againstShare()) +
@@ -182,10 +114,9 @@ class Joining {
     }
 
     const std::vector<ScanView>& scans_;
+    const ScanGroups& groups_;
     const RegistrationOptions& options_;
     Registration& registration_;
-    std::vector<std::size_t> group_;
-    std::vector<Pose> poses_; ///< groupFromScanner
 };
 
 bool faceOneWay(const std::vector<ScanPlane>& planes) {
@@ -195,7 +126,9 @@ bool faceOneWay(const std::vector<ScanPlane>& planes) {
 }
 
 std::string whyNot(std::size_t scan, const std::vector<ScanView>& scans, const Registration& registration) {
-    const std::string name = "Scan '" + scans[scan].name + "' stands where it was said to stand: ";
+    const std::string name = "Scan '" + scans[scan].name +
+                             (registration.scans[scan].isLost ? "' is left out, since nothing says where it stands: "
+                                                              : "' stands where it was said to stand: ");
     if (scans[scan].planes.empty()) return name + "no plane was found in it";
     if (faceOneWay(scans[scan].planes)) return name + "all its planes face one way, which leaves it free to slide";
     const PairOutcome* best = nullptr;
@@ -224,21 +157,66 @@ std::string whyNot(std::size_t scan, const std::vector<ScanView>& scans, const R
            other;
 }
 
-/// Groups that nothing joins overlap by chance: each has its first scan where that was said to stand.
+/// What was said of them may not be true, and of those that are lost nothing was said.
 void remarkGroups(const std::vector<ScanView>& scans, Registration& registration) {
-    std::map<std::size_t, std::string> groups;
+    struct Group {
+        std::string names;
+        bool isLost = false;
+    };
+    std::map<std::size_t, Group> groups;
+    bool isAnyLost = false;
     for (std::size_t i = 0; i < scans.size(); ++i) {
-        if (!registration.scans[i].isRegistered) continue;
-        std::string& names = groups[registration.scans[i].group];
-        names += (names.empty() ? "'" : ", '") + scans[i].name + "'";
+        const ScanOutcome& scan = registration.scans[i];
+        isAnyLost |= scan.isLost;
+        if (!scan.isRegistered) continue;
+        Group& group = groups[scan.group];
+        group.names += (group.names.empty() ? "'" : ", '") + scans[i].name + "'";
+        group.isLost = scan.isLost;
     }
-    if (groups.size() < 2) return;
-    std::string all;
-    for (const auto& [first, names] : groups)
-        all += (all.empty() ? "" : "; and ") + names;
-    registration.remarks.push_back("The scans fall into " + std::to_string(groups.size()) +
-                                   " groups that nothing joins: " + all +
-                                   ". Where the groups stand to each other is as their files say, or not known.");
+    if (groups.size() > 1) {
+        std::string all, lost;
+        for (const auto& [first, group] : groups) {
+            all += (all.empty() ? "" : "; and ") + group.names;
+            if (group.isLost) lost += (lost.empty() ? "" : ", ") + group.names;
+        }
+        registration.remarks.push_back(
+            "The scans fall into " + std::to_string(groups.size()) + " groups that nothing joins: " + all +
+            (lost.empty() ? ". Where the groups stand to each other is as their files say."
+                          : ". Nothing says where " + lost + " stand to the others: they are left out."));
+    }
+    if (isAnyLost)
+        registration.remarks.push_back(
+            "Scans that are left out can be built by themselves, or be placed by planes that "
+            "they share with others, in a file for --register (README).");
+}
+
+/// Whether those that were registered came out where their files have them: as often where every scan of a file is in
+/// the coordinates of the site, which leaves all scanners at the origin.
+bool standAsGiven(const std::vector<ScanView>& scans, const Registration& registration) {
+    bool isAny = false;
+    for (std::size_t i = 0; i < scans.size(); ++i) {
+        const ScanOutcome& scan = registration.scans[i];
+        if (!scan.isRegistered || scan.group == i) continue;
+        if (areElsewhere(scan.worldFromScanner, scans[i].givenWorldFromScanner)) return false;
+        isAny = true;
+    }
+    return isAny;
+}
+
+/// Of groups of which none was said to stand anywhere, the largest is where everything stands.
+void findLost(const std::vector<ScanView>& scans, const std::vector<bool>& areSaid, Registration& registration) {
+    if (std::ranges::find(areSaid, false) == areSaid.end() || standAsGiven(scans, registration)) return;
+    std::vector<std::size_t> sizes(scans.size());
+    std::vector<bool> isPlaced(scans.size());
+    for (std::size_t i = 0; i < scans.size(); ++i) {
+        const std::size_t group = registration.scans[i].group;
+        ++sizes[group];
+        if (areSaid[i]) isPlaced[group] = true;
+    }
+    if (std::ranges::find(areSaid, true) == areSaid.end())
+        isPlaced[static_cast<std::size_t>(std::ranges::max_element(sizes) - sizes.begin())] = true;
+    for (ScanOutcome& scan : registration.scans)
+        scan.isLost = !isPlaced[scan.group];
 }
 
 /// What one can know of a scan before anything is compared.
@@ -267,22 +245,31 @@ void remarkUnits(const std::vector<ScanView>& scans, std::vector<std::string>& r
     }
 }
 
+/// The best of several places need not be the one that was taken.
+void tellOfSettled(const std::vector<ScanView>& scans, const PairOptions& options,
+                   const std::vector<ScanOutcome>& outcomes, std::vector<PairOutcome>& pairs) {
+    for (PairOutcome& pair : pairs) {
+        if (!pair.isSettled) continue;
+        const Pose aFromB = inverse(outcomes[pair.a].worldFromScanner) * outcomes[pair.b].worldFromScanner;
+        std::optional<PairFit> fit = settlePair(scans[pair.a], scans[pair.b], aFromB, options);
+        if (fit && !areElsewhere(fit->aFromB, aFromB)) pair.result.best = std::move(*fit);
+    }
+}
+
 } // namespace
 
 Registration registerScans(const std::vector<ScanView>& scans, const RegistrationOptions& options,
-                           const std::function<void()>& told) {
+                           const FindPair& findPair) {
     std::vector<PairOutcome> pairs;
     for (std::size_t i = 0; i < scans.size(); ++i)
         for (std::size_t j = i + 1; j < scans.size(); ++j)
-            pairs.push_back({i, j, {}, false, false});
-    const std::vector<bool> areGiven = arePosesGiven(scans);
+            pairs.push_back({i, j, {}});
+    const std::vector<bool> areSaid = arePosesSaid(scans);
     tbb::parallel_for(std::size_t{0}, pairs.size(), [&](std::size_t k) {
-        const ScanView &a = scans[pairs[k].a], &b = scans[pairs[k].b];
+        const std::size_t i = pairs[k].a, j = pairs[k].b;
         std::optional<Pose> rough;
-        if (areGiven[pairs[k].a] && areGiven[pairs[k].b])
-            rough = inverse(a.givenWorldFromScanner) * b.givenWorldFromScanner;
-        pairs[k].result = registerPair(a, b, rough, options.pair);
-        if (told) told();
+        if (areSaid[i] && areSaid[j]) rough = inverse(scans[i].givenWorldFromScanner) * scans[j].givenWorldFromScanner;
+        pairs[k].result = findPair ? findPair(i, j, rough) : registerPair(scans[i], scans[j], rough, options.pair);
     });
     return joinScans(scans, std::move(pairs), options);
 }
@@ -294,10 +281,14 @@ Registration joinScans(const std::vector<ScanView>& scans, std::vector<PairOutco
     registration.pairs = std::move(pairs);
     if (scans.empty()) return registration;
     remarkUnits(scans, registration.remarks);
-    Joining joining(scans, options, registration);
-    joining.join();
-    joining.adjust();
+    ScanGroups groups(scans, registration.pairs);
+    groups.joinBySure();
+    groups.joinBySeveral(options.several);
+    const std::vector<bool> areSaid = arePosesSaid(scans);
+    Adjusting(scans, groups, options, registration).adjust(areSaid);
+    findLost(scans, areSaid, registration);
     remarkGroups(scans, registration);
+    tellOfSettled(scans, options.pair, registration.scans, registration.pairs);
 
     for (std::size_t i = 0; i < scans.size(); ++i) {
         ScanOutcome& scan = registration.scans[i];

@@ -3,7 +3,7 @@
 // adjusted as one. Nyland et al. 1999, section 4.1, had a person pick the planes and laid scans on each other one after
 // another.
 
-#include "scene/align/register_pair.h"
+#include "scene/align/scan_groups.h"
 
 #include <functional>
 #include <string>
@@ -13,19 +13,15 @@ namespace scene {
 
 struct RegistrationOptions {
     PairOptions pair;
+    SeveralOptions several;
     double leastJointOverlap = 0.04; ///< two scans of a group that share as much are laid on each other
-};
-
-struct PairOutcome {
-    std::size_t a = 0, b = 0; ///< indices of scans
-    PairResult result;        ///< as the two alone have it
-    bool isUsed = false;      ///< it joins two scans of a group
-    bool isRefused = false;   ///< sure by itself, but a third scan says otherwise
 };
 
 struct ScanOutcome {
     bool isRegistered = false; ///< else it stands where it was said to stand
-    std::size_t group = 0;     ///< index of the group's first scan, which stands where it was said to stand
+    /// Nobody said where it stands, and neither do the scans of its group, if any, say where that is among the others.
+    bool isLost = false;
+    std::size_t group = 0; ///< index of the group's first scan whose place was said, or of its first
     Pose worldFromScanner;
     PoseDeviation deviation; ///< against the group's first scan
     std::string why;         ///< it is not registered; a sentence for the user
@@ -42,9 +38,12 @@ struct Registration {
 Registration joinScans(const std::vector<ScanView>& scans, std::vector<PairOutcome> pairs,
                        const RegistrationOptions& options = {});
 
-/// Where every scan was said to stand at one place, nothing was said: they are then found from nothing. told: called
-/// after each pair, from any thread.
+/// registerPair, or what is known of the pair from before; asked from several threads at a time.
+using FindPair = std::function<PairResult(std::size_t a, std::size_t b, const std::optional<Pose>& roughAFromB)>;
+
+/// Where several scans were said to stand at the origin, unturned, nothing was said of them: they are found from
+/// nothing, unless what is found is that they do stand there.
 Registration registerScans(const std::vector<ScanView>& scans, const RegistrationOptions& options = {},
-                           const std::function<void()>& told = {});
+                           const FindPair& findPair = {});
 
 } // namespace scene

@@ -1,5 +1,6 @@
 // Laser scans as a user has them: written by the simulated scanner, registered by the build, told of by info.
 
+#include "scene/align/pair_record.h"
 #include "scene/pose.h"
 
 #include "tests/app/comparison.h"
@@ -93,6 +94,41 @@ TEST_F(Scans, FindTheirPosesAndTellOfThem) {
     EXPECT_THAT(again.output, Not(HasSubstr("register")));
 }
 
+TEST_F(Scans, WhatIsKnownOfAPairOutlivesABuildThatWasStopped) {
+    ASSERT_EQ(build("kept.revisit", "auto").status, 0);
+    const auto inBuild = [](const char* stage) {
+        std::vector<std::filesystem::path> found;
+        for (const auto& entry : std::filesystem::directory_iterator(path("kept.revisit.build")))
+            if (entry.path().filename().string().starts_with(stage)) found.push_back(entry.path());
+        return found;
+    };
+    const auto forgetTheRest = [&] {
+        for (const std::filesystem::path& folder : inBuild("registration-"))
+            std::filesystem::remove_all(folder);
+    };
+    const auto isRegistered = [&] {
+        return readJson(path("kept.revisit") + "/scene.json").at("registration").at("scans")[1].at("registered");
+    };
+    ASSERT_EQ(inBuild("pairs-").size(), 1u);
+    std::vector<std::filesystem::path> pairs;
+    for (const auto& entry : std::filesystem::directory_iterator(inBuild("pairs-")[0]))
+        pairs.push_back(entry.path());
+    ASSERT_EQ(pairs.size(), 1u);
+    // It is believed: another is put in its place.
+    forgetTheRest();
+    const std::vector<std::byte> apart = scene::packPair({});
+    std::ofstream(pairs[0], std::ios::binary)
+        .write(reinterpret_cast<const char*>(apart.data()), static_cast<std::streamsize>(apart.size()));
+    ASSERT_EQ(build("kept.revisit", "auto").status, 0);
+    EXPECT_FALSE(isRegistered());
+    // Damaged it is found out again.
+    forgetTheRest();
+    std::filesystem::resize_file(pairs[0], 20);
+    ASSERT_EQ(build("kept.revisit", "auto").status, 0);
+    EXPECT_TRUE(isRegistered());
+    EXPECT_GT(std::filesystem::file_size(pairs[0]), 20u);
+}
+
 TEST_F(Scans, StandWhereTheFileSaysUnlessAsked) {
     const Outcome built = build("given.revisit", "given");
     ASSERT_EQ(built.status, 0) << built.output;
@@ -183,8 +219,14 @@ TEST_F(Scans, TakeAPersonsWordForThePlanesTheyShare) {
     std::swap(wrong[0]["b"], wrong[1]["b"]);
     const Outcome odd = build("odd.revisit", write({{{"a", "scan1"}, {"b", "scan2"}, {"planes", wrong}}}));
     ASSERT_EQ(odd.status, 0) << odd.output;
-    EXPECT_THAT(odd.output, HasSubstr("note: Scan 'scan2' stands where it was said to stand"));
-    EXPECT_FALSE(readJson(path("odd.revisit") + "/scene.json").at("registration").at("scans")[1].at("registered"));
+    EXPECT_THAT(odd.output, HasSubstr("note: Scan 'scan2' is left out, since nothing says where it stands"));
+    const json scene = readJson(path("odd.revisit") + "/scene.json");
+    EXPECT_FALSE(scene.at("registration").at("scans")[1].at("registered"));
+    EXPECT_TRUE(scene.at("registration").at("scans")[1].at("left_out"));
+    for (const json& image : scene.at("images"))
+        EXPECT_THAT(image.at("name").get<std::string>(), testing::StartsWith("scan1"));
+    EXPECT_THAT(run({kRevisit, "info", path("odd.revisit")}, folder()).output,
+                HasSubstr("1 left out, since nothing says where they stand"));
 
     const Outcome unknown = build("no.revisit", write({{{"a", "scan1"}, {"b", "scan9"}, {"planes", planes}}}));
     EXPECT_EQ(unknown.status, 1);

@@ -136,7 +136,7 @@ TEST(Registration, APairThatNotMoreAgreeWithThanDenyJoinsNothing) {
     for (std::uint32_t i = 0; i < 3; ++i)
         views.push_back(viewFrom(place, truth[i], i));
     const auto outcome = [&](std::size_t a, std::size_t b) {
-        return PairOutcome{a, b, registerPair(views[a], views[b], std::nullopt), false, false};
+        return PairOutcome{a, b, registerPair(views[a], views[b], std::nullopt)};
     };
     const PairOutcome first = outcome(0, 1), second = outcome(0, 2);
     PairOutcome third = outcome(1, 2);
@@ -229,6 +229,13 @@ TEST(Registration, TwoScansFromOnePlaceAreSaidToBe) {
     EXPECT_THAT(found.remarks[0], HasSubstr("from the same place"));
 }
 
+std::vector<std::size_t> whoIsLost(const Registration& found) {
+    std::vector<std::size_t> lost;
+    for (std::size_t i = 0; i < found.scans.size(); ++i)
+        if (found.scans[i].isLost) lost.push_back(i);
+    return lost;
+}
+
 TEST(Registration, GroupsThatNothingJoinsAreSaidToBe) {
     const SyntheticScene place = office();
     std::vector<ScanView> views{viewFrom(place, setUpAt({1.4, 1.1, 1.5}, 1), 1),
@@ -239,11 +246,48 @@ TEST(Registration, GroupsThatNothingJoinsAreSaidToBe) {
         views.push_back(views[i]);
         views.back().name = "other" + std::to_string(i);
     }
-    const Registration apart = joinScans(views, {{0, 1, pair, false, false}, {2, 3, pair, false, false}});
-    ASSERT_EQ(apart.remarks.size(), 1u);
+    const Registration apart = joinScans(views, {{0, 1, pair}, {2, 3, pair}});
+    ASSERT_EQ(apart.remarks.size(), 2u);
     EXPECT_THAT(apart.remarks[0], HasSubstr("2 groups that nothing joins: 'scan1', 'scan2'; and 'other0', 'other1'"));
-    const Registration one = joinScans({views[0], views[1]}, {{0, 1, pair, false, false}});
+    EXPECT_THAT(apart.remarks[0], HasSubstr("Nothing says where 'other0', 'other1' stand to the others"));
+    EXPECT_THAT(apart.remarks[1], HasSubstr("can be built by themselves"));
+    EXPECT_EQ(whoIsLost(apart), (std::vector<std::size_t>{2, 3}));
+
+    // Of each group somebody says where one of its scans stands.
+    views[1].givenWorldFromScanner = setUpAt({20, 5, 1}, 9);
+    views[3].givenWorldFromScanner = setUpAt({40, 5, 1}, 8);
+    const Registration said = joinScans(views, {{0, 1, pair}, {2, 3, pair}});
+    EXPECT_TRUE(whoIsLost(said).empty());
+    ASSERT_EQ(said.remarks.size(), 1u);
+    EXPECT_THAT(said.remarks[0], HasSubstr("as their files say"));
+    EXPECT_EQ(toMatrix(said.scans[1].worldFromScanner), toMatrix(views[1].givenWorldFromScanner)) << "the one that is";
+    EXPECT_EQ(said.scans[0].group, 1u);
+    views[3].givenWorldFromScanner = {};
+    EXPECT_EQ(whoIsLost(joinScans(views, {{0, 1, pair}, {2, 3, pair}})), (std::vector<std::size_t>{2, 3}));
+
+    const Registration one = joinScans({views[0], views[1]}, {{0, 1, pair}});
     EXPECT_TRUE(one.remarks.empty());
+}
+
+TEST(Registration, WhatNobodySaysWhereItStandsIsLostUnlessAllStandAtTheOrigin) {
+    const SyntheticScene place = office();
+    const Pose a = setUpAt({1.4, 1.1, 1.5}, 1), b = setUpAt({4.4, 2.9, 1.6}, 2);
+    Scan nothing;
+    nothing.name = "nothing";
+    const Registration found = registerScans({viewFrom(place, a, 1), viewOf(nothing), viewFrom(place, b, 2)});
+    EXPECT_TRUE(found.scans[2].isRegistered) << found.scans[2].why;
+    EXPECT_EQ(whoIsLost(found), (std::vector<std::size_t>{1}));
+    EXPECT_THAT(found.scans[1].why, HasSubstr("'nothing' is left out, since nothing says where it stands: no plane"));
+
+    // Files in the coordinates of the site have all scanners at the origin, and what was found agrees.
+    Scan moved = scanFrom(place, b, 2);
+    for (glm::vec3& p : moved.pointsInScanner)
+        p = glm::vec3((inverse(a) * b) * glm::dvec3(p));
+    moved.worldFromScanner = {};
+    const Registration there = registerScans({viewFrom(place, a, 1), viewOf(nothing), viewOf(moved)});
+    EXPECT_TRUE(there.scans[2].isRegistered) << there.scans[2].why;
+    EXPECT_TRUE(whoIsLost(there).empty());
+    EXPECT_THAT(there.scans[1].why, HasSubstr("stands where it was said to stand"));
 }
 
 TEST(Registration, AScanWithoutPoseIsNotTakenToStandAtTheOrigin) {

@@ -1,0 +1,97 @@
+// Groups of scans between which no pair is sure.
+
+#include "scene/align/registration.h"
+
+#include "tests/scene/align/scanned_places.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace scene {
+namespace {
+
+/// Four scans of one place: pairs 0, 1 and 2, 3 are sure, pairs 0, 2 and 1, 3 fit at several places each.
+class FourScans : public testing::Test {
+  protected:
+    static constexpr std::size_t kScans = 4;
+
+    void lookAt(const SyntheticScene& place, const std::vector<glm::dvec3>& from) {
+        for (std::uint32_t i = 0; i < kScans; ++i) {
+            truth_.push_back(setUpAt(from[i], i + 1));
+            Scan scan = scanFrom(place, truth_[i], i);
+            scan.worldFromScanner = {};
+            views_.push_back(viewOf(scan));
+        }
+    }
+
+    Pose between(std::size_t a, std::size_t b) const { return inverse(truth_[a]) * truth_[b]; }
+    /// The second scan moved along an axis of the world.
+    Pose moved(std::size_t a, std::size_t b, const glm::dvec3& by) const {
+        Pose worldFromB = truth_[b];
+        worldFromB.translation += by;
+        return inverse(truth_[a]) * worldFromB;
+    }
+
+    static PairOutcome outcome(std::size_t a, std::size_t b, PairVerdict verdict, std::vector<Pose> plausible) {
+        PairOutcome pair{a, b, {}};
+        pair.result.verdict = verdict;
+        pair.result.best.aFromB = plausible[0];
+        pair.result.best.evidence.agreeing = 0.4;
+        pair.result.plausible = std::move(plausible);
+        return pair;
+    }
+    Registration join(const std::vector<Pose>& of02, const std::vector<Pose>& of13) const {
+        return joinScans(views_,
+                         {outcome(0, 1, PairVerdict::registered, {between(0, 1)}),
+                          outcome(2, 3, PairVerdict::registered, {between(2, 3)}),
+                          outcome(0, 2, PairVerdict::ambiguous, of02), outcome(1, 3, PairVerdict::ambiguous, of13)});
+    }
+
+    void expectAllRight(const Registration& found) const {
+        for (std::size_t i = 0; i < kScans; ++i) {
+            ASSERT_EQ(found.scans[i].group, 0u) << i;
+            const Pose here = inverse(found.scans[0].worldFromScanner) * found.scans[i].worldFromScanner;
+            EXPECT_LT(metresBetween(here, between(0, i)), 0.003);
+            EXPECT_LT(degreesBetween(here, between(0, i)), 0.03);
+        }
+    }
+    static void expectApart(const Registration& found) {
+        EXPECT_EQ(found.scans[1].group, 0u);
+        EXPECT_EQ(found.scans[2].group, 2u);
+        EXPECT_EQ(found.scans[3].group, 2u);
+    }
+
+    std::vector<Pose> truth_;
+    std::vector<ScanView> views_;
+};
+
+TEST_F(FourScans, AreJoinedAtTheOnePlaceThatSeveralPairsKnow) {
+    lookAt(office(), {{1.4, 1.1, 1.5}, {4.4, 2.9, 1.6}, {2.5, 3.6, 1.4}, {1.9, 1.4, 1.5}});
+    const glm::dvec3 right(0), left(-0.6, 0, 0), up(0, 0, 0.5);
+    const Registration found = join({moved(0, 2, left), moved(0, 2, right)}, {moved(1, 3, right), moved(1, 3, up)});
+    expectAllRight(found);
+    for (const std::size_t k : {2u, 3u}) {
+        EXPECT_TRUE(found.pairs[k].isUsed);
+        EXPECT_TRUE(found.pairs[k].isSettled);
+    }
+    // Where both know of two, the scans of both groups tell which cannot be.
+    expectAllRight(join({moved(0, 2, left), moved(0, 2, right)}, {moved(1, 3, left), moved(1, 3, right)}));
+
+    // They stay apart where pairs agree on what cannot be, or on nothing.
+    expectApart(join({moved(0, 2, left), moved(0, 2, up)}, {moved(1, 3, left), moved(1, 3, up)}));
+    expectApart(join({moved(0, 2, left), moved(0, 2, right)}, {moved(1, 3, up), moved(1, 3, left)}));
+}
+
+TEST_F(FourScans, StayApartWhereThePlaceRepeats) {
+    BoxPlace pillars; // every three metres, farther than anybody sees
+    pillars.addHall({-30, -1.3, 0}, {30, 1.3, 2.8});
+    for (int i = -9; i <= 9; ++i)
+        for (const double y : {-1.3, 1.0})
+            pillars.add({3 * i - 0.2, y, 0}, {3 * i + 0.2, y + 0.3, 2.8});
+    lookAt(pillars.build(), {{1.2, 0.1, 1.5}, {2.0, -0.2, 1.6}, {4.6, 0.0, 1.4}, {5.4, 0.2, 1.5}});
+    const glm::dvec3 here(0), next(3, 0, 0);
+    expectApart(join({moved(0, 2, here), moved(0, 2, next)}, {moved(1, 3, next), moved(1, 3, here)}));
+}
+
+} // namespace
+} // namespace scene
