@@ -35,7 +35,7 @@ void addLabel(render::Overlay& overlay, const glm::dvec3& at, const std::string&
 } // namespace
 
 Annotator::Annotator(const scene::Scene& scene, const std::filesystem::path& sceneFolder)
-    : scene_(scene), worldFromWalk_(inverse(scene.walkFromWorld)), file_(sceneFolder) {
+    : scene_(scene), worldFromWalk_(inverse(scene.walkFromWorld)), accuracy_(scene), file_(sceneFolder) {
     try {
         noting_.notes = file_.read();
         noting_.older = noting_.notes.list.size();
@@ -57,7 +57,10 @@ void Annotator::update(const NotingWants& wants) {
         else if (!aimed_->isSeen)
             notice_ = "no range was measured there: only what was seen is noted";
         else
-            noting_ = press(std::move(noting_), wants.mode, *aimed_, timeNow());
+            noting_ = press(std::move(noting_), wants.mode, *aimed_, timeNow(),
+                            [&](const glm::dvec3& place, const std::optional<glm::dvec3>& other) {
+                                return other ? accuracy_.ofDistance(*other, place) : accuracy_.ofPlace(place);
+                            });
     }
     if (noting_.start && !hadStart) notice_ = "from" + sayPlace(*noting_.start) + ", to where?";
     if (noting_.notes.list.size() == before) return;
@@ -108,9 +111,8 @@ void Annotator::appendTo(render::Overlay& overlay) const {
     addCross(overlay, worldFromWalk_, *noting_.start, kAllowedColour);
     if (!isSeen) return;
     addDistance(overlay, worldFromWalk_, *noting_.start, aimed_->position, kAllowedColour);
-    std::array<char, 32> text{};
-    std::snprintf(text.data(), text.size(), "%.3f m", glm::distance(*noting_.start, aimed_->position));
-    addLabel(overlay, aboveMiddle(*noting_.start, aimed_->position, worldFromWalk_), text.data(), kAllowedColour);
+    const std::string text = distanceText(glm::distance(*noting_.start, aimed_->position), std::nullopt);
+    addLabel(overlay, aboveMiddle(*noting_.start, aimed_->position, worldFromWalk_), text, kAllowedColour);
 }
 
 } // namespace app

@@ -2,6 +2,7 @@
 // The walker notes points and distances: what is aimed at, what a press makes of it, and how it looks. One object for a
 // walk.
 
+#include "app/note_accuracy.h"
 #include "app/notes.h"
 
 #include "render/overlay.h"
@@ -47,6 +48,7 @@ class Annotator {
 
     const scene::Scene& scene_;
     scene::Pose worldFromWalk_;
+    NoteAccuracy accuracy_;
     NotesFile file_;
     std::string refused_; ///< why the file is not written; empty if it is
     Noting noting_;

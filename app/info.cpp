@@ -5,6 +5,7 @@
 #include "scene/scene_file.h"
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <cstdio>
 #include <iterator>
@@ -195,11 +196,16 @@ Extent extentOf(const scene::Scene& scene, const json& figures) {
 void printNotes(const Notes& notes) {
     for (const Note& note : notes.list) {
         const glm::dvec3 &a = note.from, &b = note.to;
+        const json known = note.fields.value("known_to_m", json());
+        std::array<char, 48> knownTo{};
+        if (known.is_number())
+            std::snprintf(knownTo.data(), knownTo.size(), ", known to %.1f mm", 1e3 * known.get<double>());
         if (note.kind == Note::Kind::point)
-            std::printf("  point      %s: %.3f %.3f %.3f\n", shown(note.label).c_str(), a.x, a.y, a.z);
+            std::printf("  point      %s: %.3f %.3f %.3f%s\n", shown(note.label).c_str(), a.x, a.y, a.z,
+                        knownTo.data());
         if (note.kind == Note::Kind::distance)
-            std::printf("  distance   %s: from %.3f %.3f %.3f to %.3f %.3f %.3f, %.3f m\n", shown(note.label).c_str(),
-                        a.x, a.y, a.z, b.x, b.y, b.z, glm::distance(a, b));
+            std::printf("  distance   %s: from %.3f %.3f %.3f to %.3f %.3f %.3f, %.3f m%s\n", shown(note.label).c_str(),
+                        a.x, a.y, a.z, b.x, b.y, b.z, glm::distance(a, b), knownTo.data());
     }
 }
 

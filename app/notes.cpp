@@ -81,7 +81,9 @@ class FolderLock {
     int descriptor_;
 };
 
-Note makeNote(const Notes& notes, std::optional<glm::dvec3> from, const glm::dvec3& to, const std::string& time) {
+Note makeNote(const Notes& notes, std::optional<glm::dvec3> from, const glm::dvec3& to, const std::string& time,
+              const HowExactly& howExactly) {
+    const std::optional<double> knownTo = howExactly ? howExactly(to, from) : std::nullopt;
     Note note;
     for (const Note& other : notes.list)
         note.number = std::max(note.number, other.number);
@@ -92,7 +94,7 @@ Note makeNote(const Notes& notes, std::optional<glm::dvec3> from, const glm::dve
     if (from) {
         const double metres = glm::distance(*from, to);
         note.kind = Note::Kind::distance;
-        note.label = labelOf(note.number, metres);
+        note.label = labelOf(note.number, metres, knownTo);
         note.fields.update(
             {{"kind", "distance"}, {"from", describe(*from)}, {"to", describe(to)}, {"distance_m", metres}});
     } else {
@@ -100,6 +102,7 @@ Note makeNote(const Notes& notes, std::optional<glm::dvec3> from, const glm::dve
         note.fields.update({{"kind", "point"}, {"position", describe(to)}});
     }
     note.fields["label"] = note.label;
+    if (knownTo) note.fields["known_to_m"] = *knownTo;
     return note;
 }
 
@@ -135,14 +138,15 @@ std::string textOf(const Notes& notes) {
     return root.dump(1, ' ', false, json::error_handler_t::replace) + "\n";
 }
 
-Noting press(Noting noting, NoteMode mode, const scene::Pick& aim, const std::string& time) {
+Noting press(Noting noting, NoteMode mode, const scene::Pick& aim, const std::string& time,
+             const HowExactly& howExactly) {
     if (!aim.isSeen) return noting;
     if (mode == NoteMode::distances && !noting.start) {
         noting.start = aim.position;
         return noting;
     }
     const std::optional<glm::dvec3> from = mode == NoteMode::distances ? noting.start : std::nullopt;
-    noting.notes.list.push_back(makeNote(noting.notes, from, aim.position, time));
+    noting.notes.list.push_back(makeNote(noting.notes, from, aim.position, time, howExactly));
     noting.start.reset();
     return noting;
 }
@@ -155,11 +159,18 @@ Noting undo(Noting noting) {
     return noting;
 }
 
-std::string labelOf(int number, std::optional<double> metres) {
+std::string labelOf(int number, std::optional<double> metres, std::optional<double> knownToMetres) {
     if (!metres) return "P" + std::to_string(number);
-    std::array<char, 32> text{};
-    std::snprintf(text.data(), text.size(), " %.3f m", *metres);
-    return "D" + std::to_string(number) + text.data();
+    return "D" + std::to_string(number) + " " + distanceText(*metres, knownToMetres);
+}
+
+std::string distanceText(double metres, std::optional<double> knownToMetres) {
+    std::array<char, 64> text{};
+    if (knownToMetres)
+        std::snprintf(text.data(), text.size(), "%.3f m +-%.3f", metres, std::max(*knownToMetres, 0.001));
+    else
+        std::snprintf(text.data(), text.size(), "%.3f m", metres);
+    return text.data();
 }
 
 std::string timeNow() {

@@ -5,17 +5,20 @@
 //
 //   {"format": "revisit notes", "version": 1, "unit": "m",
 //    "notes": [
-//      {"number": 1, "kind": "point", "label": "P1", "position": [x, y, z], "made": "2026-10-02T08:32:22Z"},
-//      {"number": 2, "kind": "distance", "label": "D2 1.234 m", "from": [x, y, z], "to": [x, y, z],
-//       "distance_m": 1.234, "made": "2026-10-02T08:32:40Z"}]}
+//      {"number": 1, "kind": "point", "label": "P1", "position": [x, y, z], "known_to_m": 0.002,
+//       "made": "2026-10-02T08:32:22Z"},
+//      {"number": 2, "kind": "distance", "label": "D2 1.234 m +-0.005", "from": [x, y, z], "to": [x, y, z],
+//       "distance_m": 1.234, "known_to_m": 0.005, "made": "2026-10-02T08:32:40Z"}]}
 //
-// Positions are metres in the world, the capture's own coordinates. Notes stand in the order in which they were made;
+// Positions are metres in the world, the capture's own coordinates; known_to_m, where it is known, is one standard
+// deviation (app/note_accuracy.h). Notes stand in the order in which they were made;
 // their numbers are positive and rise. A label may be changed in the file. Fields and kinds of notes that this version
 // does not know are kept as they are. A file of another format or a later version is refused and left alone.
 
 #include "scene/pick.h"
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -51,14 +54,22 @@ struct Noting {
 
 enum class NoteMode { points, distances };
 
+/// How exactly a place is known, or the distance from it to another; metres, nothing where nobody knows.
+using HowExactly =
+    std::function<std::optional<double>(const glm::dvec3& place, const std::optional<glm::dvec3>& other)>;
+
 /// The walker has pressed while aiming at a place. What was never seen leaves everything as it is. time: as "made".
-Noting press(Noting noting, NoteMode mode, const scene::Pick& aim, const std::string& time);
+Noting press(Noting noting, NoteMode mode, const scene::Pick& aim, const std::string& time,
+             const HowExactly& howExactly = {});
 
 /// Takes back the last thing: the start of a distance, else the last note of this walk.
 Noting undo(Noting noting);
 
-/// "D2 1.234 m"; P where there is no distance.
-std::string labelOf(int number, std::optional<double> metres);
+/// "D2 1.234 m +-0.005"; P where there is no distance.
+std::string labelOf(int number, std::optional<double> metres, std::optional<double> knownToMetres = std::nullopt);
+
+/// "1.234 m +-0.005", of what is known to a millimetre at best; "1.234 m" where nobody knows how exactly.
+std::string distanceText(double metres, std::optional<double> knownToMetres);
 
 /// Now, in UTC: "2026-10-02T08:32:22Z".
 std::string timeNow();

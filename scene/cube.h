@@ -7,6 +7,7 @@
 //                down
 
 #include <array>
+#include <string>
 
 #include <glm/mat3x3.hpp>
 
@@ -17,6 +18,9 @@ inline constexpr std::array<const char*, kFaceCount> kFaceNames{"front", "left",
 
 /// Further images of a face, SCAN-front-2 and so on, for points that share a pixel but not a surface: at most.
 inline constexpr int kMostFurtherLayers = 8;
+
+/// "scan1" of "scan1-front" and of "scan1-front-2"; other names as they are.
+std::string withoutFace(const std::string& imageName);
 
 /// So much further than 90 degrees a face reaches on each side, so that no seam opens between the meshes of two faces.
 inline constexpr int kMeshOverlapPixels = 2;

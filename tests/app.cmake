@@ -91,7 +91,7 @@ add_dependencies(revisit_faulty_device_tests revisit_faulty_layer)
 # What the programs are made of.
 revisit_test(revisit_app_unit_tests WHOLE LABELS unit LINKS app CLI11::CLI11 nlohmann_json::nlohmann_json
     SOURCES app/annotate_test.cpp app/coverage_on_device_test.cpp app/desk_test.cpp app/governor_test.cpp app/kept_settings_test.cpp app/measure_table_test.cpp
-        app/notes_test.cpp app/output_file_test.cpp app/overlays_test.cpp
+        app/note_accuracy_test.cpp app/notes_test.cpp scene/known_scenes.cpp app/output_file_test.cpp app/overlays_test.cpp
         app/picture_error_test.cpp app/positions_test.cpp app/quality_file_test.cpp app/real_range_test.cpp
         app/scan_agreement_test.cpp app/scene_folder_test.cpp app/selection_test.cpp app/spread_test.cpp app/stage_store_test.cpp app/view_files_test.cpp app/walk_record_test.cpp)
 

@@ -6,6 +6,7 @@ revisit_test(revisit_refine_tests WHOLE LABELS unit TIMEOUT 300 LINKS scene scen
         scene/known_scenes.cpp
         scene/pick_test.cpp
         scene/preference_test.cpp
+        scene/samples_about_test.cpp
         scene/upright_test.cpp
         scene/project/dropouts_test.cpp
         scene/refine/colour_evening_test.cpp

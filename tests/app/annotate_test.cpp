@@ -110,13 +110,13 @@ TEST_F(Annotating, ADistanceIsShownWhileItIsDrawnOut) {
     annotator.appendTo(underWay);
     EXPECT_TRUE(says(underWay, "0.600 m"));
     annotator.update(pressAt(0.8, 0, NoteMode::distances));
-    EXPECT_EQ(onDisk().list.at(0).label, "D1 1.000 m");
+    EXPECT_EQ(onDisk().list.at(0).label, "D1 1.000 m +-0.006");
     annotator.update({});
     EXPECT_FALSE(annotator.aimedAt());
     render::Overlay done;
     annotator.appendTo(done);
     ASSERT_EQ(done.labels.size(), 1u);
-    EXPECT_EQ(done.labels[0].text, "D1 1.000 m");
+    EXPECT_EQ(done.labels[0].text, "D1 1.000 m +-0.006");
     EXPECT_LT(glm::distance(done.labels[0].at, {0.3, 0.05, 2}), 1e-4);
 }
 

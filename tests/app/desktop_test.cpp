@@ -257,6 +257,9 @@ TEST_F(Desktop, ClicksMeasureAndAreListedByInfo) {
     EXPECT_EQ(notes[1].at("kind"), "distance");
     const auto a = notes[1].at("from").get<std::vector<double>>(), b = notes[1].at("to").get<std::vector<double>>();
     EXPECT_NEAR(notes[1].at("distance_m").get<double>(), std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]), 1e-3);
+    for (const nlohmann::json& note : notes)
+        EXPECT_GT(note.at("known_to_m").get<double>(), 0) << note;
+    EXPECT_NE(notes[1].at("label").get<std::string>().find(" +-"), std::string::npos);
 }
 
 TEST_F(Desktop, WithoutADisplayOneLineSaysSo) {

@@ -52,6 +52,21 @@ TEST(Noting, EachPressSetsAPointAndTwoADistance) {
     EXPECT_EQ(noting.notes.list.back().label, "P3");
 }
 
+TEST(Noting, WhatIsKnownSaysHowExactly) {
+    const HowExactly howExactly = [](const glm::dvec3& place, const std::optional<glm::dvec3>& other) {
+        return place.x < 5 ? std::optional(other ? 0.02 : 0.01) : std::nullopt;
+    };
+    Noting noting = press({}, NoteMode::points, at(1, 0, 0), kTime, howExactly);
+    noting = press(noting, NoteMode::points, at(6, 0, 0), kTime, howExactly);
+    noting = press(noting, NoteMode::distances, at(1, 0, 0), kTime, howExactly);
+    noting = press(noting, NoteMode::distances, at(3, 0, 0), kTime, howExactly);
+    ASSERT_EQ(noting.notes.list.size(), 3u);
+    EXPECT_EQ(noting.notes.list[0].fields.at("known_to_m"), 0.01);
+    EXPECT_FALSE(noting.notes.list[1].fields.contains("known_to_m"));
+    EXPECT_EQ(noting.notes.list[2].fields.at("known_to_m"), 0.02);
+    EXPECT_EQ(noting.notes.list[2].label, "D3 2.000 m +-0.020");
+}
+
 TEST(Noting, WhatNobodySawIsNotMeasured) {
     EXPECT_TRUE(press({}, NoteMode::points, at(1, 2, 3, false), kTime).notes.list.empty());
     Noting noting = press({}, NoteMode::distances, at(1, 2, 3), kTime);
@@ -251,6 +266,8 @@ TEST_F(NotesOnDisk, AreKeptWhereNothingCanBeLocked) {
 TEST(NoteLabels, SayKindNumberAndMetres) {
     EXPECT_EQ(labelOf(7, std::nullopt), "P7");
     EXPECT_EQ(labelOf(2, 1.2344), "D2 1.234 m");
+    EXPECT_EQ(labelOf(2, 1.2344, 0.0126), "D2 1.234 m +-0.013");
+    EXPECT_EQ(labelOf(2, 1.2344, 1e-6), "D2 1.234 m +-0.001") << "more than is shown is not claimed";
     EXPECT_EQ(timeNow().size(), std::string(kTime).size());
 }
 

@@ -5,6 +5,7 @@
 #include "scene/refine/skins.h"
 #include "tests/repetitions.h"
 #include "tests/scene/known_scenes.h"
+#include "tests/scene/tiled.h"
 
 #include <cmath>
 #include <limits>
@@ -17,20 +18,6 @@
 
 namespace scene {
 namespace {
-
-/// Images cut into tiles, and who lends them.
-struct Tiled {
-    std::vector<DepthImage> images;
-    std::vector<TileSet> sets;
-    std::vector<TileBlock> blocks;
-
-    explicit Tiled(std::vector<DepthImage> taken) : images(std::move(taken)) {
-        for (const DepthImage& image : images)
-            sets.push_back(cutIntoTiles(image));
-        for (std::size_t i = 0; i < images.size(); ++i)
-            blocks.push_back(lend(sets[i], images[i].camera, images[i].worldFromCamera));
-    }
-};
 
 /// The bare room from eight places, skins cut; samples 6 mm apart at a metre.
 const Tiled& tiledRoom() {

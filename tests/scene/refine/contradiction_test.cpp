@@ -11,7 +11,7 @@
 namespace scene {
 namespace {
 
-constexpr int kImages = 9;
+constexpr int kWitnesses = 9;
 
 /// What skins find of images that all know of each other.
 std::vector<SkinFigures> figuresOf(const std::vector<DepthImage>& images) {
@@ -38,11 +38,11 @@ std::vector<SkinFigures> agreeing(std::uint32_t right, std::size_t all) {
 }
 
 TEST(Contradiction, RightImagesHaveNone) {
-    EXPECT_TRUE(findContradictions(figuresOf(imagesOfBareRoom(kImages))).empty());
+    EXPECT_TRUE(findContradictions(figuresOf(imagesOfBareRoom(kWitnesses))).empty());
 }
 
 TEST(Contradiction, TheOneImageWhosePoseIsWrongIsNamedAndNoOther) {
-    const std::vector<DepthImage> right = imagesOfBareRoom(kImages);
+    const std::vector<DepthImage> right = imagesOfBareRoom(kWitnesses);
     constexpr std::array<std::size_t, 3> kWrong{0, 4, 7};
     constexpr std::array<glm::dvec3, 4> kAlong{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 0, -1}}};
     for (std::size_t i = 0; i < std::size_t{tests::repetitions(kWrong.size() * kAlong.size())}; ++i) {
@@ -58,7 +58,7 @@ TEST(Contradiction, TheOneImageWhosePoseIsWrongIsNamedAndNoOther) {
 }
 
 TEST(Contradiction, RangeInOtherUnitsThanTheRestIsNamed) {
-    std::vector<DepthImage> images = imagesOfBareRoom(kImages);
+    std::vector<DepthImage> images = imagesOfBareRoom(kWitnesses);
     for (float& disparity : images[3].disparity.pixels())
         disparity *= 1.5f;
     const std::vector<Contradiction> found = findContradictions(figuresOf(images));
