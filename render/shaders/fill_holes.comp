@@ -31,6 +31,7 @@ void main()
     for (int i = int(gl_GlobalInvocationID.x); i < count; i += invocations) {
         int x = int(holes[columns + i]);
         uvec2 own = texelFetch(zTexels, row + x).xy, key = filled(ivec2(x, y), own, constants.fill);
+        if (key == own) key = filledAtRim(ivec2(x, y), ivec2(constants.width, constants.height), own);
         if (key == own) continue; // resolve's colour, which may be interpolated, stays
         colours[row + x] = colourAndClassOf(key);
         depths[row + x] = depthOf(key);

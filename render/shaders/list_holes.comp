@@ -26,7 +26,8 @@ void main()
     for (int word = int(gl_LocalInvocationID.x); word < across; word += int(gl_WorkGroupSize.x)) {
         uint asked = ~heldAt(row, word) & pixelsInWord(constants.width, word);
         uint toFill = withBothEnds(row, word, asked, constants.fill.radius) |
-                      holes[pinholesAt(constants.width, constants.height, row) + word];
+                      holes[pinholesAt(constants.width, constants.height, row) + word] |
+                      (asked & rimInWord(constants.width, constants.height, row, word));
         if (toFill == 0u) continue;
         int place = columns + int(atomicAdd(holes[count], uint(bitCount(toFill))));
         for (; toFill != 0u; toFill &= toFill - 1u) {

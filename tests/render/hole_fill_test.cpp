@@ -32,7 +32,8 @@ struct Picture {
         const uvec2 own = keys(x, y);
         const bool asks =
             isHole(own) || isPinhole(own, (*this)(pixel - ivec2(1, 0)), (*this)(pixel - ivec2(0, 1)), holes);
-        return asks ? filled(*this, pixel, own, holes) : own;
+        const uvec2 key = asks ? filled(*this, pixel, own, holes) : own;
+        return key == own ? filledAtRim(*this, pixel, ivec2(keys.width(), keys.height()), own) : key;
     }
 };
 
@@ -49,6 +50,32 @@ scene::ZBuffer filledOnProcessor(const scene::ZBuffer& zBuffer, const HoleFill& 
             result(x, y) = std::uint64_t{key.y} << 32 | key.x;
         }
     return result;
+}
+
+TEST(HoleFill, AtTheRimWhatStandsRightBesideIsShown) {
+    Picture picture(8, 6);
+    for (int y = 1; y < 5; ++y)
+        for (int x = 1; x < 7; ++x)
+            picture.put(x, y, 0.1f * static_cast<float>(x + 1), static_cast<uint>(y));
+    picture.put(3, 0, 0.9f);
+    picture.keys(5, 4) = uvec2(0); // a hole of two pixels: of what lies in it nothing is known
+    const HoleFill none = fillWithin(1);
+    const auto expectAs = [&](int x, int y, int fromX, int fromY) {
+        const uvec2 key = picture.fill(x, y, none);
+        EXPECT_EQ(key.x & 3u, kClassFilled) << x << ", " << y;
+        EXPECT_EQ(key.x >> 8, static_cast<uint>(fromY)) << x << ", " << y;
+        EXPECT_FLOAT_EQ(eyeDisparityOf(key), eyeDisparityOf(picture.keys(fromX, fromY))) << x << ", " << y;
+    };
+    expectAs(1, 0, 1, 1);
+    expectAs(0, 3, 1, 3);
+    expectAs(7, 2, 6, 2);
+    expectAs(0, 5, 1, 4);
+    EXPECT_EQ(picture.fill(3, 0, none), picture.keys(3, 0)) << "no hole";
+    EXPECT_TRUE(isHole(picture.fill(5, 5, none)));
+    for (const ivec2 size : {ivec2(1, 1), ivec2(1, 5), ivec2(2, 2)}) {
+        Picture tiny(size.x, size.y);
+        EXPECT_TRUE(isHole(tiny.fill(0, 0, none)));
+    }
 }
 
 TEST(HoleFill, TheMaskIsThePapers) {
@@ -142,7 +169,7 @@ TEST(HoleFill, HolesInTheSkyAreSkyAndNothingIsNaN) {
     picture.keys(4, 4) = picture.keys(0, 0) = uvec2(0);
     for (const int radius : {1, 16})
         EXPECT_TRUE(std::isinf(depthOf(picture.fill(4, 4, fillWithin(radius)))));
-    EXPECT_TRUE(isHole(picture.fill(0, 0, fillWithin(16)))) << "in a corner nothing stands opposite";
+    EXPECT_TRUE(std::isinf(depthOf(picture.fill(0, 0, fillWithin(16))))) << "in a corner, as beside it";
     std::mt19937 random(7);
     std::uniform_real_distribution<float> exponent(-30, 5);
     for (int i = 0; i < 5000; ++i) {

@@ -67,6 +67,18 @@ TEST(HoleWords, FindWhatTheFillerHasAnythingToAskOf) {
     EXPECT_LT(found, asked / 2);
 }
 
+TEST(HoleWords, KnowTheRimOfThePicture) {
+    for (const int width : {1, 2, 31, 32, 33, 64, 97})
+        for (const int height : {1, 2, 5})
+            for (int y = 0; y < height; ++y)
+                for (int word = 0; word < holeWordsAcross(width); ++word)
+                    for (int i = 0; i < kHoleWordBits; ++i) {
+                        const int x = word * kHoleWordBits + i;
+                        const bool isRim = x < width && (x == 0 || x == width - 1 || y == 0 || y == height - 1);
+                        EXPECT_EQ((rimInWord(width, height, y, word) >> i & 1u) != 0, isRim) << x << ", " << y;
+                    }
+}
+
 TEST(HoleWords, TheListsOfRowsDoNotOverlap) {
     for (const int width : {1, 32, 33, 640})
         for (const int height : {1, 7, 480}) {

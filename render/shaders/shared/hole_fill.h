@@ -15,6 +15,8 @@
 //                            ==============       picture, so that two ends lie on one surface if they are alike, or
 //                                                 if each one's slope leads to the other.
 //
+// A hole at the picture's rim, one side of which is not known, shows what stands beside it (filledAtRim).
+//
 // A pixel reads its neighbours' keys and writes none, so that what is filled does not depend on any order, and what
 // was filled fills nothing more.
 
@@ -236,6 +238,15 @@ HOLE_FUNCTION uvec2 filled(HOLE_KEYS ivec2 pixel, uvec2 own, HoleFill fill) {
     surface = surfaceAround(HOLE_LENT pixel, hole && fill.radius > 1, fill);
     if (surface.pairs > 0) return keyOf(surface);
     return own;
+}
+
+/// A hole at the picture's rim has no neighbours on one side: without this every crack that the rim cuts would be left
+/// open there. It shows what stands right beside it, inwards.
+HOLE_FUNCTION uvec2 filledAtRim(HOLE_KEYS ivec2 pixel, ivec2 size, uvec2 own) {
+    ivec2 inwards = ivec2(max(min(pixel.x, size.x - 2), 1), max(min(pixel.y, size.y - 2), 1));
+    uvec2 key = keyAt(inwards);
+    if (!isHole(own) || inwards == pixel || isHole(key)) return own;
+    return packKey(eyeDisparityOf(key), key.x >> 8, kClassFilled);
 }
 
 SHARED_END

@@ -35,6 +35,14 @@ SHARED_FUNCTION uint pixelsInWord(int width, int word) {
     return left >= kHoleWordBits ? ~0u : (1u << left) - 1u;
 }
 
+/// Bits of those pixels of a word that are at the rim of the picture.
+SHARED_FUNCTION uint rimInWord(int width, int height, int row, int word) {
+    if (row == 0 || row == height - 1) return pixelsInWord(width, word);
+    int last = width - 1 - word * kHoleWordBits;
+    uint right = last < kHoleWordBits ? 1u << last : 0u;
+    return word == 0 ? right | 1u : right;
+}
+
 /// Holes in a picture, as indices into one buffer of uints: words as above, row by row; how many pixels of each row are
 /// to be filled; their columns, as many for each row as it has pixels; and words of what may be seen through a crack.
 SHARED_FUNCTION int holeCountAt(int width, int height, int row) {
