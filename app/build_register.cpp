@@ -8,7 +8,9 @@
 #include "scene/align/registration.h"
 #include "scene/camera_json.h"
 
+#include <algorithm>
 #include <limits>
+#include <mutex>
 #include <optional>
 
 namespace app {
@@ -88,7 +90,8 @@ std::string keyOfRegistration(const scene::Capture& capture, const std::string& 
     for (const scene::ScanSource& scan : capture.scans)
         scans.push_back({scan.name, describePoints(scan)});
     return keyOf({kRegisterVersion, kPairVersion, scans, how == "auto" ? json(how) : fingerprintOf(how),
-                  describe(options.pair), options.leastJointOverlap});
+                  describe(options.pair), options.leastJointOverlap, options.several.mostAgainstShare,
+                  options.several.mostAgainstShareRival});
 }
 
 /// What is kept of a scan has a fixed size.
@@ -104,10 +107,13 @@ std::vector<scene::ScanView> viewsOf(const scene::Capture& capture, std::uint64_
 
 /// Of many scans there are thousands of pairs, of some seconds each. What is found of one is kept in a file of its own,
 /// by the points of the two alone: a build that was stopped goes on there, and so does one with further scans.
-scene::Registration registerFromNothing(const scene::Capture& capture, const std::vector<scene::ScanView>& views,
-                                        const scene::RegistrationOptions& options, StageStore& store) {
+scene::Registration registerAll(const scene::Capture& capture, const std::vector<scene::ScanView>& views,
+                                std::vector<scene::PairOutcome> known, const scene::RegistrationOptions& options,
+                                StageStore& store) {
     const std::filesystem::path folder = store.folderOf("pairs", keyOf({kPairVersion, describe(options.pair)}));
-    Progress progress("register", views.size() * (views.size() - 1) / 2);
+    const std::size_t all = views.size() * (views.size() - 1) / 2;
+    Progress progress("register", all - std::min(all, known.size()));
+    std::mutex writing; // a scan that was given twice has the same pairs
     const auto findPair = [&](std::size_t a, std::size_t b, const std::optional<scene::Pose>& rough) {
         const std::filesystem::path file =
             folder / keyOf({describePoints(capture.scans[a]), describePoints(capture.scans[b]),
@@ -117,23 +123,26 @@ scene::Registration registerFromNothing(const scene::Capture& capture, const std
         if (std::filesystem::exists(file, none)) result = scene::unpackPair(readWhole(file));
         if (!result) {
             result = registerPair(views[a], views[b], rough, options.pair);
+            const std::scoped_lock lock(writing);
             writeWhole(file, scene::packPair(*result));
         }
         progress.advance();
         return *result;
     };
-    return registerScans(views, options, findPair);
+    return registerScans(views, options, findPair, std::move(known));
 }
 
-scene::Registration registerAsMatched(const std::vector<scene::ScanView>& views, const std::filesystem::path& file,
-                                      const scene::RegistrationOptions& options) {
+/// What a person says of pairs, in a file.
+std::vector<scene::PairOutcome> pairsAsMatched(const std::vector<scene::ScanView>& views,
+                                               const std::filesystem::path& file,
+                                               const scene::RegistrationOptions& options) {
     std::vector<std::string> names;
     for (const scene::ScanView& view : views)
         names.push_back(view.name);
     std::vector<scene::PairOutcome> pairs;
     for (const scene::GivenMatches& matches : scene::readMatchesFile(file, names))
         pairs.push_back({matches.a, matches.b, pairFromMatches(views, matches, options.pair, file)});
-    return joinScans(views, std::move(pairs), options);
+    return pairs;
 }
 
 /// With the photographs beside them.
@@ -158,6 +167,10 @@ void leaveOut(const std::vector<std::uint8_t>& isLost, scene::Capture& capture, 
         photo.scan = scans[photo.scan];
     for (std::size_t& photo : heldOut.scanPhotos)
         photo = photos[photo];
+    const auto gone = std::ranges::count(photos, kGone), keptOut = std::ranges::count(heldOut.scanPhotos, kGone);
+    if (gone > 0)
+        tell(capture, std::to_string(gone) + " photographs beside scans that are left out are left out, too" +
+                          (keptOut > 0 ? "; " + std::to_string(keptOut) + " of them were to be held out." : "."));
     std::erase(heldOut.scanPhotos, kGone);
 }
 
@@ -179,9 +192,10 @@ json registerCapture(scene::Capture& capture, scene::HeldOut& heldOut, const Bui
     const std::string key = keyOfRegistration(capture, options.registration, registrationOptions);
     const std::filesystem::path folder = store.find("registration", key, [&](const std::filesystem::path& part) {
         const std::vector<scene::ScanView> views = viewsOf(capture, options.memoryBytes);
+        std::vector<scene::PairOutcome> known;
+        if (options.registration != "auto") known = pairsAsMatched(views, options.registration, registrationOptions);
         const scene::Registration registration =
-            options.registration == "auto" ? registerFromNothing(capture, views, registrationOptions, store)
-                                           : registerAsMatched(views, options.registration, registrationOptions);
+            registerAll(capture, views, std::move(known), registrationOptions, store);
         writeWhole(part / "registration.json", describe(views, registration).dump());
     });
     const json report = readJson(folder / "registration.json");

@@ -199,7 +199,8 @@ void printNotes(const Notes& notes) {
         const json known = note.fields.value("known_to_m", json());
         std::array<char, 48> knownTo{};
         if (known.is_number())
-            std::snprintf(knownTo.data(), knownTo.size(), ", known to %.1f mm", 1e3 * known.get<double>());
+            std::snprintf(knownTo.data(), knownTo.size(), ", known to %.1f mm%s", 1e3 * known.get<double>(),
+                          note.kind == Note::Kind::point ? " within its set-up" : "");
         if (note.kind == Note::Kind::point)
             std::printf("  point      %s: %.3f %.3f %.3f%s\n", shown(note.label).c_str(), a.x, a.y, a.z,
                         knownTo.data());

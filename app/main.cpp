@@ -143,9 +143,9 @@ void addBuild(CLI::App& program, app::BuildOptions& options, std::string& memory
     build
         ->add_option("--register", options.registration,
                      "where scans and photographs stand: given, as their files say; auto, found by what they have in "
-                     "common; or a JSON file of places on planes that two scans share. Without it scans stay as "
-                     "given, and photographs with range (of captures without scans) are laid on each other from where "
-                     "they are said to stand")
+                     "common; or a JSON file of places on planes that two scans share, the other pairs being found "
+                     "as by auto. Without it scans stay as given, and photographs with range (of captures without "
+                     "scans) are laid on each other from where they are said to stand")
         ->type_name("given|auto|FILE");
     build->add_option("--scanner", options.scanner,
                       "scans of a panning scanner are read anew with the constants in this file, which 'revisit "

@@ -83,7 +83,9 @@ class FolderLock {
 
 Note makeNote(const Notes& notes, std::optional<glm::dvec3> from, const glm::dvec3& to, const std::string& time,
               const HowExactly& howExactly) {
-    const std::optional<double> knownTo = howExactly ? howExactly(to, from) : std::nullopt;
+    constexpr double kFinest = 0.001; // metres: no more is claimed than is shown
+    std::optional<double> knownTo = howExactly ? howExactly(to, from) : std::nullopt;
+    if (knownTo) knownTo = std::max(*knownTo, kFinest);
     Note note;
     for (const Note& other : notes.list)
         note.number = std::max(note.number, other.number);
@@ -167,7 +169,7 @@ std::string labelOf(int number, std::optional<double> metres, std::optional<doub
 std::string distanceText(double metres, std::optional<double> knownToMetres) {
     std::array<char, 64> text{};
     if (knownToMetres)
-        std::snprintf(text.data(), text.size(), "%.3f m +-%.3f", metres, std::max(*knownToMetres, 0.001));
+        std::snprintf(text.data(), text.size(), "%.3f m +-%.3f", metres, *knownToMetres);
     else
         std::snprintf(text.data(), text.size(), "%.3f m", metres);
     return text.data();

@@ -11,9 +11,10 @@
 //       "distance_m": 1.234, "known_to_m": 0.005, "made": "2026-10-02T08:32:40Z"}]}
 //
 // Positions are metres in the world, the capture's own coordinates; known_to_m, where it is known, is one standard
-// deviation (app/note_accuracy.h). Notes stand in the order in which they were made;
-// their numbers are positive and rise. A label may be changed in the file. Fields and kinds of notes that this version
-// does not know are kept as they are. A file of another format or a later version is refused and left alone.
+// deviation, of a point within what its own set-up has (app/note_accuracy.h). Notes stand in the order in which they
+// were made; their numbers are positive and rise. A label may be changed in the file. Fields and kinds of notes that
+// this version does not know are kept as they are. A file of another format or a later version is refused and left
+// alone.
 
 #include "scene/pick.h"
 
@@ -68,7 +69,7 @@ Noting undo(Noting noting);
 /// "D2 1.234 m +-0.005"; P where there is no distance.
 std::string labelOf(int number, std::optional<double> metres, std::optional<double> knownToMetres = std::nullopt);
 
-/// "1.234 m +-0.005", of what is known to a millimetre at best; "1.234 m" where nobody knows how exactly.
+/// "1.234 m +-0.005"; "1.234 m" where nobody knows how exactly.
 std::string distanceText(double metres, std::optional<double> knownToMetres);
 
 /// Now, in UTC: "2026-10-02T08:32:22Z".

@@ -23,12 +23,15 @@ struct Sample {
     double x = 0, y = 0, d = 0; ///< from the place: pixels, and disparity as it is
 };
 
-/// In the image's coordinates; nothing if it is not before the camera.
+/// In the image's coordinates; nothing if it is not in its view.
 std::optional<glm::dvec3> placeInImage(const TileBlock& block, const glm::dvec3& placeInWorld) {
     const glm::dvec3 p = inverse(block.worldFromCamera) * placeInWorld;
     if (!(p.z > 0)) return std::nullopt;
     const Camera& c = block.camera;
-    return glm::dvec3(c.fx * p.x / p.z + c.cx, c.fy * p.y / p.z + c.cy, 1 / p.z);
+    const glm::dvec3 place(c.fx * p.x / p.z + c.cx, c.fy * p.y / p.z + c.cy, 1 / p.z);
+    const bool isWithin =
+        place.x > -kReach && place.y > -kReach && place.x < c.width + kReach && place.y < c.height + kReach;
+    return isWithin ? std::optional(place) : std::nullopt;
 }
 
 std::vector<Sample> samplesNear(const TileBlock& block, const glm::dvec3& place) {

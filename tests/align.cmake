@@ -11,7 +11,7 @@ target_include_directories(revisit_board_tests SYSTEM PRIVATE ${OpenCV_INCLUDE_D
 
 # Photographs against each other.
 revisit_test(revisit_turn_tests WHOLE LABELS unit LINKS scene_align Eigen3::Eigen
-    SOURCES scene/align/neighbour_turn_test.cpp scene/align/normal_equations_test.cpp scene/align/pair_record_test.cpp
+    SOURCES scene/align/lost_scans_test.cpp scene/align/neighbour_turn_test.cpp scene/align/normal_equations_test.cpp scene/align/pair_record_test.cpp
         scene/align/turn_network_test.cpp)
 
 # Photographs with range against each other.

@@ -1,12 +1,15 @@
 #include "scene/align/registration.h"
 
 #include "scene/align/joint_surfaces.h"
+#include "scene/align/lost_scans.h"
 #include "scene/align/mirrored.h"
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
-#include <numeric>
+#include <set>
+#include <utility>
 
 #include <glm/geometric.hpp>
 #include <tbb/parallel_for.h>
@@ -24,21 +27,6 @@ std::string shareText(double share) {
     char text[32];
     std::snprintf(text, sizeof text, "%.1f %%", 100 * share);
     return text;
-}
-
-bool isIdentity(const Pose& pose) {
-    return pose.rotation == glm::dmat3(1.0) && pose.translation == glm::dvec3(0.0);
-}
-
-/// Of each scan, whether anybody said where it stands. Files without poses leave scans at the origin, unturned; that
-/// one alone stands so may be meant.
-std::vector<bool> arePosesSaid(const std::vector<ScanView>& scans) {
-    const auto unturned = std::count_if(scans.begin(), scans.end(),
-                                        [](const ScanView& scan) { return isIdentity(scan.givenWorldFromScanner); });
-    std::vector<bool> areSaid;
-    for (const ScanView& scan : scans)
-        areSaid.push_back(unturned < 2 || !isIdentity(scan.givenWorldFromScanner));
-    return areSaid;
 }
 
 /// Groups, laid on what their scans have in common and put where they were said to stand.
@@ -126,9 +114,10 @@ bool faceOneWay(const std::vector<ScanPlane>& planes) {
 }
 
 std::string whyNot(std::size_t scan, const std::vector<ScanView>& scans, const Registration& registration) {
-    const std::string name = "Scan '" + scans[scan].name +
-                             (registration.scans[scan].isLost ? "' is left out, since nothing says where it stands: "
-                                                              : "' stands where it was said to stand: ");
+    const std::string name =
+        "Scan '" + scans[scan].name +
+        (registration.scans[scan].isLost ? "' is left out, since nothing says where it stands to the others: "
+                                         : "' stands where it was said to stand: ");
     if (scans[scan].planes.empty()) return name + "no plane was found in it";
     if (faceOneWay(scans[scan].planes)) return name + "all its planes face one way, which leaves it free to slide";
     const PairOutcome* best = nullptr;
@@ -157,66 +146,50 @@ std::string whyNot(std::size_t scan, const std::vector<ScanView>& scans, const R
            other;
 }
 
-/// What was said of them may not be true, and of those that are lost nothing was said.
+std::string listOf(const std::vector<std::string>& names) {
+    std::string list;
+    for (const std::string& name : names)
+        list += (list.empty() ? "'" : ", '") + name + "'";
+    return list;
+}
+
+/// Each scan that is not registered has its own sentence (whyNot).
 void remarkGroups(const std::vector<ScanView>& scans, Registration& registration) {
-    struct Group {
-        std::string names;
-        bool isLost = false;
-    };
-    std::map<std::size_t, Group> groups;
+    std::map<std::size_t, std::vector<std::string>> groups;
+    std::vector<std::string> lost;
     bool isAnyLost = false;
     for (std::size_t i = 0; i < scans.size(); ++i) {
         const ScanOutcome& scan = registration.scans[i];
         isAnyLost |= scan.isLost;
         if (!scan.isRegistered) continue;
-        Group& group = groups[scan.group];
-        group.names += (group.names.empty() ? "'" : ", '") + scans[i].name + "'";
-        group.isLost = scan.isLost;
+        groups[scan.group].push_back(scans[i].name);
+        if (scan.isLost) lost.push_back(scans[i].name);
     }
     if (groups.size() > 1) {
-        std::string all, lost;
-        for (const auto& [first, group] : groups) {
-            all += (all.empty() ? "" : "; and ") + group.names;
-            if (group.isLost) lost += (lost.empty() ? "" : ", ") + group.names;
-        }
+        std::string all;
+        for (const auto& [first, names] : groups)
+            all += (all.empty() ? "" : "; and ") + listOf(names);
         registration.remarks.push_back(
-            "The scans fall into " + std::to_string(groups.size()) + " groups that nothing joins: " + all +
-            (lost.empty() ? ". Where the groups stand to each other is as their files say."
-                          : ". Nothing says where " + lost + " stand to the others: they are left out."));
+            "The scans fall into " + std::to_string(groups.size()) + " groups that nothing joins: " + all + "." +
+            (lost.empty() ? " Where the groups stand to each other is as their files say." : ""));
     }
+    if (!lost.empty())
+        registration.remarks.push_back("Nothing says where scans " + listOf(lost) +
+                                       " stand to the others: they are left out.");
     if (isAnyLost)
         registration.remarks.push_back(
-            "Scans that are left out can be built by themselves, or be placed by planes that "
-            "they share with others, in a file for --register (README).");
+            "Scans that are left out can be built by themselves, or be placed by planes that they share with others, "
+            "in a file for --register (README); --register given draws all where their files have them.");
 }
 
-/// Whether those that were registered came out where their files have them: as often where every scan of a file is in
-/// the coordinates of the site, which leaves all scanners at the origin.
-bool standAsGiven(const std::vector<ScanView>& scans, const Registration& registration) {
-    bool isAny = false;
-    for (std::size_t i = 0; i < scans.size(); ++i) {
-        const ScanOutcome& scan = registration.scans[i];
-        if (!scan.isRegistered || scan.group == i) continue;
-        if (areElsewhere(scan.worldFromScanner, scans[i].givenWorldFromScanner)) return false;
-        isAny = true;
-    }
-    return isAny;
-}
-
-/// Of groups of which none was said to stand anywhere, the largest is where everything stands.
-void findLost(const std::vector<ScanView>& scans, const std::vector<bool>& areSaid, Registration& registration) {
-    if (std::ranges::find(areSaid, false) == areSaid.end() || standAsGiven(scans, registration)) return;
-    std::vector<std::size_t> sizes(scans.size());
-    std::vector<bool> isPlaced(scans.size());
-    for (std::size_t i = 0; i < scans.size(); ++i) {
-        const std::size_t group = registration.scans[i].group;
-        ++sizes[group];
-        if (areSaid[i]) isPlaced[group] = true;
-    }
-    if (std::ranges::find(areSaid, true) == areSaid.end())
-        isPlaced[static_cast<std::size_t>(std::ranges::max_element(sizes) - sizes.begin())] = true;
-    for (ScanOutcome& scan : registration.scans)
-        scan.isLost = !isPlaced[scan.group];
+void findLostScans(const std::vector<ScanView>& scans, const std::vector<bool>& areSaid,
+                   std::vector<ScanOutcome>& outcomes) {
+    std::vector<FoundPlace> found;
+    for (const ScanOutcome& scan : outcomes)
+        found.push_back({scan.isRegistered, scan.group, scan.worldFromScanner});
+    const std::vector<bool> isLost = findLost(scans, areSaid, found);
+    for (std::size_t i = 0; i < outcomes.size(); ++i)
+        outcomes[i].isLost = isLost[i];
 }
 
 /// What one can know of a scan before anything is compared.
@@ -252,18 +225,27 @@ void tellOfSettled(const std::vector<ScanView>& scans, const PairOptions& option
         if (!pair.isSettled) continue;
         const Pose aFromB = inverse(outcomes[pair.a].worldFromScanner) * outcomes[pair.b].worldFromScanner;
         std::optional<PairFit> fit = settlePair(scans[pair.a], scans[pair.b], aFromB, options);
-        if (fit && !areElsewhere(fit->aFromB, aFromB)) pair.result.best = std::move(*fit);
+        if (!fit || areElsewhere(fit->aFromB, aFromB)) {
+            fit.emplace();
+            fit->aFromB = aFromB;
+            fit->evidence = checkPose(scans[pair.a].panorama, scans[pair.b].panorama, aFromB);
+            fit->rmsMetres = fit->evidence.rmsMetres;
+        }
+        pair.result.best = std::move(*fit);
     }
 }
 
 } // namespace
 
 Registration registerScans(const std::vector<ScanView>& scans, const RegistrationOptions& options,
-                           const FindPair& findPair) {
+                           const FindPair& findPair, std::vector<PairOutcome> known) {
+    std::set<std::pair<std::size_t, std::size_t>> areKnown;
+    for (const PairOutcome& pair : known)
+        areKnown.insert(std::minmax(pair.a, pair.b));
     std::vector<PairOutcome> pairs;
     for (std::size_t i = 0; i < scans.size(); ++i)
         for (std::size_t j = i + 1; j < scans.size(); ++j)
-            pairs.push_back({i, j, {}});
+            if (!areKnown.contains({i, j})) pairs.push_back({i, j, {}});
     const std::vector<bool> areSaid = arePosesSaid(scans);
     tbb::parallel_for(std::size_t{0}, pairs.size(), [&](std::size_t k) {
         const std::size_t i = pairs[k].a, j = pairs[k].b;
@@ -271,6 +253,7 @@ Registration registerScans(const std::vector<ScanView>& scans, const Registratio
         if (areSaid[i] && areSaid[j]) rough = inverse(scans[i].givenWorldFromScanner) * scans[j].givenWorldFromScanner;
         pairs[k].result = findPair ? findPair(i, j, rough) : registerPair(scans[i], scans[j], rough, options.pair);
     });
+    std::ranges::move(known, std::back_inserter(pairs));
     return joinScans(scans, std::move(pairs), options);
 }
 
@@ -286,7 +269,7 @@ Registration joinScans(const std::vector<ScanView>& scans, std::vector<PairOutco
     groups.joinBySeveral(options.several);
     const std::vector<bool> areSaid = arePosesSaid(scans);
     Adjusting(scans, groups, options, registration).adjust(areSaid);
-    findLost(scans, areSaid, registration);
+    findLostScans(scans, areSaid, registration.scans);
     remarkGroups(scans, registration);
     tellOfSettled(scans, options.pair, registration.scans, registration.pairs);
 

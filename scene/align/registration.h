@@ -19,9 +19,8 @@ struct RegistrationOptions {
 
 struct ScanOutcome {
     bool isRegistered = false; ///< else it stands where it was said to stand
-    /// Nobody said where it stands, and neither do the scans of its group, if any, say where that is among the others.
-    bool isLost = false;
-    std::size_t group = 0; ///< index of the group's first scan whose place was said, or of its first
+    bool isLost = false;       ///< nothing says where it stands among the others (scene/align/lost_scans.h)
+    std::size_t group = 0;     ///< index of the group's first scan whose place was said, or of its first
     Pose worldFromScanner;
     PoseDeviation deviation; ///< against the group's first scan
     std::string why;         ///< it is not registered; a sentence for the user
@@ -41,9 +40,10 @@ Registration joinScans(const std::vector<ScanView>& scans, std::vector<PairOutco
 /// registerPair, or what is known of the pair from before; asked from several threads at a time.
 using FindPair = std::function<PairResult(std::size_t a, std::size_t b, const std::optional<Pose>& roughAFromB)>;
 
-/// Where several scans were said to stand at the origin, unturned, nothing was said of them: they are found from
-/// nothing, unless what is found is that they do stand there.
+/// Where several scans were said to stand at the origin, nothing was said of them (arePosesSaid): they are found from
+/// nothing.
+/// known: pairs that are not to be found, since somebody says how they stand.
 Registration registerScans(const std::vector<ScanView>& scans, const RegistrationOptions& options = {},
-                           const FindPair& findPair = {});
+                           const FindPair& findPair = {}, std::vector<PairOutcome> known = {});
 
 } // namespace scene

@@ -167,6 +167,8 @@ std::vector<ScanGroups::Meeting> ScanGroups::meetingsOf(std::size_t into, std::s
 
 std::optional<ScanGroups::Meeting> ScanGroups::onlyMeeting(std::size_t into, std::size_t from,
                                                            const SeveralOptions& options) const {
+    const auto isAlone = [&](std::size_t group) { return std::ranges::count(group_, group) == 1; };
+    if (isAlone(into) && isAlone(from)) return std::nullopt; // the two have said it all
     std::vector<PairOutcome*> between;
     for (PairOutcome& pair : pairs_)
         if (isBetween(pair, into, from)) between.push_back(&pair);
