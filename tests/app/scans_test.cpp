@@ -129,6 +129,26 @@ TEST_F(Scans, WhatIsKnownOfAPairOutlivesABuildThatWasStopped) {
     EXPECT_GT(std::filesystem::file_size(pairs[0]), 20u);
 }
 
+TEST_F(Scans, PhotographsGoWithScansThatAreLeftOut) {
+    const Outcome made =
+        makeSample({path("elsewhere"), "--scene", "corner", "--scanner", "--scans", "1", "--density", "1.5",
+                    "--no-colour", "--poses-unknown", "--photographs", "2", "--photograph-size", "160x120"},
+                   folder());
+    ASSERT_EQ(made.status, 0) << made.output;
+    std::ofstream(path("out.txt")) << "scan1-photo1\n";
+    const Outcome built = run({kRevisit, "build", path("elsewhere/scans.e57"), path("capture/scans.e57"), "-o",
+                               path("two.revisit"), "--register", "auto", "--hold-out", path("out.txt")},
+                              folder());
+    ASSERT_EQ(built.status, 0) << built.output;
+    EXPECT_THAT(built.output, HasSubstr("note: Scan 'scan1' is left out"));
+    EXPECT_THAT(built.output, HasSubstr("2 photographs beside scans that are left out are left out, too; 1 of them"));
+    const json scene = readJson(path("two.revisit") + "/scene.json");
+    EXPECT_TRUE(scene.at("held_out").empty());
+    for (const json& image : scene.at("images"))
+        EXPECT_THAT(image.at("name").get<std::string>(),
+                    testing::AnyOf(testing::StartsWith("scan1-2-"), testing::StartsWith("scan2-")));
+}
+
 TEST_F(Scans, StandWhereTheFileSaysUnlessAsked) {
     const Outcome built = build("given.revisit", "given");
     ASSERT_EQ(built.status, 0) << built.output;
