@@ -19,7 +19,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr int kRefineVersion = 12, kTilesVersion = 6, kCoverageVersion = 3;
+constexpr int kRefineVersion = 13, kTilesVersion = 6, kCoverageVersion = 3;
 
 json describe(const scene::ComparisonOptions& o) {
     return {o.sameSurface, o.pixelError};

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::int64_t kLeastShared = 1000; ///< samples; of fewer a median says little
 constexpr std::int64_t kLeastLoss = 100;    ///< samples within things; leaves have some, too
-/// Surfaces seen at a slant are that far apart along rays if scans are some millimetres off.
+/// Scans with noise of 20 mm are 23 mm apart, those whose poses are 50 mm off 33 (docs/building.md).
 constexpr double kFarApartMetres = 0.03;
 constexpr std::size_t kNamed = 5;
 
@@ -102,7 +102,8 @@ std::vector<std::string> remarksOn(const ScanAgreement& agreement, std::span<con
         remarks.push_back(
             "Where scans '" + scans[worst->a].name + "' and '" + scans[worst->b].name +
             "' show the same surfaces they have them " + millimetres(worst->apartMetres) +
-            " apart (median, along their rays), and what is drawn lies between: their ranges are noisy, or " +
+            " apart (median, across them), and what is drawn lies between: their ranges are noisy or their samples "
+            "sparse there, or " +
             (areAsGiven ? "their poses, which are as the files give them, are wrong: --register auto finds "
                           "better ones then."
                         : "their poses are wrong: revisit info says how they were registered."));

@@ -18,7 +18,7 @@ namespace app {
 struct ScanPair {
     std::size_t a = 0, b = 0; ///< of ImportedImages::scans
     std::int64_t samples = 0; ///< that agree
-    double apartMetres = 0;   ///< along rays
+    double apartMetres = 0;   ///< across surfaces
 };
 
 /// A scan of which whole things are not drawn, since others saw through them.

@@ -173,10 +173,17 @@ void addApart(const SampleComparison& samples, int k, const DepthImage& partner,
     const Comparison comparison = samples.comparison(k);
     const Sighting at = samples.sighting(k);
     if (!comparison.isSmooth || !(at.disparity > 0 && comparison.disparity > 0)) return;
-    if (crossingOf(partner, into, samples.x(k), samples.y(k), samples.disparity(k), at, sameSurface).isFromBehind())
-        return;
-    const auto ray = static_cast<float>(glm::length(rayThrough(partner.camera, at.u, at.v)));
-    apartMetres.push_back(ray * std::abs(1 / at.disparity - 1 / comparison.disparity));
+    const Crossing crossing =
+        crossingOf(partner, into, samples.x(k), samples.y(k), samples.disparity(k), at, sameSurface);
+    if (crossing.isFromBehind()) return;
+    // The partner's surface about there is the plane n . p = 1 in its camera. Along the ray it would be farther the
+    // more that runs along the surface: metres of a floor far away, which nobody's pose is off by.
+    const Camera& c = partner.camera;
+    const glm::dvec3 n(c.fx * double{crossing.slopes.x}, c.fy * double{crossing.slopes.y},
+                       double{comparison.disparity} + (c.cx - double{at.u}) * double{crossing.slopes.x} +
+                           (c.cy - double{at.v}) * double{crossing.slopes.y});
+    const double off = double{comparison.disparity} / double{at.disparity} - 1;
+    apartMetres.push_back(static_cast<float>(std::abs(off) / glm::length(n)));
 }
 
 /// What a partner says, gathered by many threads.

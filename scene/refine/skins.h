@@ -33,7 +33,7 @@ struct SkinOptions {
 struct PartnerWord {
     std::uint32_t image = 0; ///< the partner
     std::int64_t agrees = 0, sawThrough = 0;
-    /// Where they agree, how far along the partner's rays the sample and its own surface are apart: the median, metres;
+    /// Where they agree, how far the sample is from the partner's surface, across that: the median, metres;
     /// of a sixteenth of the samples, but for those of which it sees the other side. What is farther apart than
     /// ComparisonOptions allow does not agree. 0 if there are none.
     double apartMetres = 0;
