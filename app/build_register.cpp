@@ -141,7 +141,7 @@ std::vector<scene::PairOutcome> pairsAsMatched(const std::vector<scene::ScanView
         names.push_back(view.name);
     std::vector<scene::PairOutcome> pairs;
     for (const scene::GivenMatches& matches : scene::readMatchesFile(file, names))
-        pairs.push_back({matches.a, matches.b, pairFromMatches(views, matches, options.pair, file)});
+        pairs.push_back({matches.a, matches.b, pairFromMatches(views, matches, options.pair, file), true});
     return pairs;
 }
 

@@ -121,8 +121,8 @@ void printScanAgreement(const json& agreement) {
         return a.at("apart_m").get<double>() < b.at("apart_m").get<double>();
     });
     std::printf(
-        "  scans      where two show the same surfaces they have them %.1f mm apart (median of %zu pairs, along "
-        "rays); farthest apart %s and %s: %.1f mm\n",
+        "  scans      where two show the same surfaces they have them %.1f mm apart (median of %zu pairs, across "
+        "surfaces); farthest apart %s and %s: %.1f mm\n",
         1e3 * *middle, apart.size(), shown(worst.at("a")).c_str(), shown(worst.at("b")).c_str(),
         1e3 * worst.at("apart_m").get<double>());
 }

@@ -78,7 +78,8 @@ std::optional<double> NoteAccuracy::between(const End& a, const End& b) const {
     const std::string &imageA = scene_.images[a.about.image].name, &imageB = scene_.images[b.about.image].name;
     if (surfaceShare_) return betweenPhotographs(a, b);
     const std::string scanA = scene::withoutFace(imageA), scanB = scene::withoutFace(imageB);
-    if (scanA == scanB) return 0;
+    const auto placeOf = [&](const End& end) { return scene_.images[end.about.image].worldFromCamera.translation; };
+    if (scanA == scanB && placeOf(a) == placeOf(b)) return 0;
     return betweenScans(scanA, scanB, a, b);
 }
 
@@ -99,8 +100,8 @@ std::optional<double> NoteAccuracy::betweenScans(const std::string& a, const std
     return std::max(result.value_or(0), deviation);
 }
 
-/// Known of those that lie on each other: some image has both places in its picture. Along a chain errors add up, and
-/// nobody knows how.
+/// Known where one photograph that lies on others has both places in view (or something before them: what it saw there
+/// is not kept if others saw it better). Along a chain errors add up, and nobody knows how.
 std::optional<double> NoteAccuracy::betweenPhotographs(const End& a, const End& b) const {
     for (const End* end : {&a, &b})
         if (loose_.contains(scene_.images[end->about.image].name)) return std::nullopt;
@@ -111,7 +112,7 @@ std::optional<double> NoteAccuracy::betweenPhotographs(const End& a, const End& 
             const double u = c.fx * p.x / p.z + c.cx, v = c.fy * p.y / p.z + c.cy;
             return p.z > 0 && u >= 0 && v >= 0 && u < c.width && v < c.height;
         };
-        return isInPicture(a.place) && isInPicture(b.place);
+        return !loose_.contains(image.name) && isInPicture(a.place) && isInPicture(b.place);
     });
     if (!isShown) return std::nullopt;
     return *surfaceShare_ * std::max(a.about.rangeMetres, b.about.rangeMetres);

@@ -17,12 +17,16 @@ bool isAtOrigin(const ScanView& scan) {
 
 bool areInSiteCoordinates(std::span<const ScanView> scans, const std::vector<bool>& areSaid,
                           std::span<const FoundPlace> found) {
-    int confirmed = 0, refuted = 0;
+    std::map<std::size_t, int> confirmed; // by group
+    int all = 0, refuted = 0, most = 0;
     for (std::size_t i = 0; i < scans.size(); ++i) {
         if (areSaid[i] || !found[i].isRegistered || found[i].group == i) continue;
-        (areElsewhere(found[i].worldFromScanner, scans[i].givenWorldFromScanner) ? refuted : confirmed) += 1;
+        if (areElsewhere(found[i].worldFromScanner, scans[i].givenWorldFromScanner))
+            ++refuted;
+        else
+            ++all, most = std::max(most, ++confirmed[found[i].group]);
     }
-    return confirmed >= kLeastConfirmed && confirmed > refuted;
+    return most >= kLeastConfirmed && all > refuted;
 }
 
 bool sawAnything(const ScanView& scan) {

@@ -230,6 +230,8 @@ void tellOfSettled(const std::vector<ScanView>& scans, const PairOptions& option
             fit->aFromB = aFromB;
             fit->evidence = checkPose(scans[pair.a].panorama, scans[pair.b].panorama, aFromB);
             fit->rmsMetres = fit->evidence.rmsMetres;
+            const PoseDeviation &a = outcomes[pair.a].deviation, &b = outcomes[pair.b].deviation;
+            fit->deviation = {std::hypot(a.metres, b.metres), std::hypot(a.radians, b.radians), b.loosest};
         }
         pair.result.best = std::move(*fit);
     }

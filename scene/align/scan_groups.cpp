@@ -32,6 +32,7 @@ void ScanGroups::joinBySure() {
     for (PairOutcome& pair : pairs_)
         if (pair.result.verdict == PairVerdict::registered) sure.push_back(&pair);
     std::stable_sort(sure.begin(), sure.end(), [](const PairOutcome* x, const PairOutcome* y) {
+        if (x->isGiven != y->isGiven) return x->isGiven;
         return x->result.best.evidence.agreeing > y->result.best.evidence.agreeing;
     });
     for (PairOutcome* pair : sure) {
@@ -43,7 +44,7 @@ void ScanGroups::joinBySure() {
         }
         const Pose aFromOther = poses_[pair->a] * pair->result.best.aFromB * inverse(poses_[pair->b]);
         const std::size_t from = group_[pair->b], into = group_[pair->a];
-        pair->isUsed = isBelieved(into, from, aFromOther) && areCompatible(into, from, aFromOther);
+        pair->isUsed = (pair->isGiven || isBelieved(into, from, aFromOther)) && areCompatible(into, from, aFromOther);
         pair->isRefused = !pair->isUsed;
         if (pair->isUsed) merge(into, from, aFromOther);
     }

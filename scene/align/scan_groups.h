@@ -14,6 +14,7 @@ namespace scene {
 struct PairOutcome {
     std::size_t a = 0, b = 0; ///< indices of scans
     PairResult result;        ///< as the two alone have it
+    bool isGiven = false;     ///< somebody says so: it goes before all that was found
     bool isUsed = false;      ///< it joins two scans of a group
     bool isRefused = false;   ///< sure by itself, but a third scan says otherwise
     bool isSettled = false;   ///< ambiguous by itself, used at the place that is left by other scans
@@ -33,8 +34,9 @@ class ScanGroups {
   public:
     ScanGroups(std::span<const ScanView> scans, std::span<PairOutcome> pairs);
 
-    /// The surest pair first; a pair that would make two scans contradict each other joins nothing, nor does one that
-    /// not more pairs agree with than deny: of two that differ one is wrong, and neither says which.
+    /// What was given first, then the surest pair; one that would make two scans contradict each other joins nothing,
+    /// nor does, of those that were found, one that not more pairs agree with than deny: of two that differ one is
+    /// wrong, and neither says which.
     void joinBySure();
 
     /// Then by pairs of which none is sure. Two groups are joined at a place that more pairs between them know than do

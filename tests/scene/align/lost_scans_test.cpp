@@ -71,6 +71,9 @@ TEST(LostScans, NoneIsWhereTheOriginIsThatOfTheSite) {
                 ElementsAre());
     EXPECT_THAT(lostOf({{kOrigin, 0, kOrigin}, {kOrigin, 0, kOrigin}, {kOrigin, {}}}), ElementsAre(2))
         << "two of one tripod prove nothing";
+    EXPECT_THAT(lostOf({{kOrigin, 0, kOrigin}, {kOrigin, 0, kOrigin}, {kOrigin, 2, kOrigin}, {kOrigin, 2, kOrigin}}),
+                ElementsAre(2, 3))
+        << "nor two each of two";
     EXPECT_THAT(
         lostOf(
             {{kOrigin, 0, kOrigin}, {kOrigin, 0, kOrigin}, {kOrigin, 0, kOrigin}, {kOrigin, 0, at(9)}, {kOrigin, {}}}),

@@ -9,6 +9,8 @@
 #include <set>
 
 #include <glm/geometric.hpp>
+#include <random>
+
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
@@ -319,6 +321,22 @@ TEST(Skins, TellHowFarApartSurfacesAreAndWhatIsInsideOfThingsThatOthersSeeThroug
     markSkins(sides, 0, everyOther(2, 0), {}, ofSides);
     EXPECT_GT(ofSides.words.at(0).agrees, 10000);
     EXPECT_EQ(ofSides.words.at(0).apartMetres, 0);
+}
+
+TEST(Skins, TellHowFarApartDenseSurfacesAreThoughNoiseSlopesThem) {
+    // Samples 2 mm apart that scatter by as much: of neighbours most of the slope is noise.
+    const Camera dense{200, 150, 2000, 2000, 100, 75};
+    std::mt19937 random(3);
+    std::normal_distribution<double> noise(0, 0.002);
+    Pose beside;
+    beside.translation.x = 0.05;
+    const auto wallAt = [&](double metres, const Pose& from) {
+        return imageOf(dense, from, [&, metres](double, double) { return 1 / (metres + noise(random)); });
+    };
+    ImageStore store({wallAt(4, {}), wallAt(4.04, beside)});
+    SkinFigures figures;
+    markSkins(store, 0, everyOther(2, 0), {}, figures);
+    EXPECT_NEAR(figures.words.at(0).apartMetres, 0.04, 0.003);
 }
 
 TEST(Skins, AreTheSameBytesOnOneThreadAndOnTwoAndWithAnEmptyImageAmongThePartners) {
