@@ -167,37 +167,22 @@ std::int64_t countInside(const Image<std::uint8_t>& flags) {
 
 constexpr int kApartEvery = 4; ///< samples, across and down
 
-/// Of disparity, a pixel along an axis: over as many as the surface goes on straight, since noise makes slopes of its
-/// own.
-float slopeAlong(const DepthImage& image, int x, int y, int dx, int dy, float sameSurface) {
-    const float middle = image.disparity(x, y);
-    for (const int reach : {8, 4, 2, 1}) {
-        const int x0 = x - reach * dx, y0 = y - reach * dy, x1 = x + reach * dx, y1 = y + reach * dy;
-        if (x0 < 0 || y0 < 0 || x1 >= image.camera.width || y1 >= image.camera.height) continue;
-        if (!isSurface(image.flags(x0, y0)) || !isSurface(image.flags(x1, y1))) continue;
-        const float before = image.disparity(x0, y0), after = image.disparity(x1, y1);
-        if (std::abs(before + after - 2 * middle) > sameSurface * middle) continue;
-        return (after - before) / static_cast<float>(2 * reach);
-    }
-    return 0; // as if it stood upright before the image
-}
-
 /// Of a sample that agrees; the sky is nowhere, and of something thin the other side is another surface.
 void addApart(const SampleComparison& samples, int k, const DepthImage& partner, const Reprojection& into,
               float sameSurface, std::vector<float>& apartMetres) {
     const Comparison comparison = samples.comparison(k);
     const Sighting at = samples.sighting(k);
     if (!comparison.isSmooth || !(at.disparity > 0 && comparison.disparity > 0)) return;
-    if (crossingOf(partner, into, samples.x(k), samples.y(k), samples.disparity(k), at, sameSurface).isFromBehind())
-        return;
+    const Crossing crossing =
+        crossingOf(partner, into, samples.x(k), samples.y(k), samples.disparity(k), at, sameSurface);
+    if (crossing.isFromBehind()) return;
     // The partner's surface about there is the plane n . p = 1 in its camera. Along the ray it would be farther the
-    // more that runs along the surface: metres of a floor far away, which nobody's pose is off by.
+    // more that runs along the surface: metres of a floor far away, which nobody's pose is off by. (Noise makes slopes
+    // of its own, so that of samples as dense as they scatter a tenth of the distance is lost.)
     const Camera& c = partner.camera;
-    const int x = static_cast<int>(at.u), y = static_cast<int>(at.v);
-    const double across{slopeAlong(partner, x, y, 1, 0, sameSurface)},
-        down{slopeAlong(partner, x, y, 0, 1, sameSurface)};
-    const glm::dvec3 n(c.fx * across, c.fy * down,
-                       double{comparison.disparity} + (c.cx - double{at.u}) * across + (c.cy - double{at.v}) * down);
+    const glm::dvec3 n(c.fx * double{crossing.slopes.x}, c.fy * double{crossing.slopes.y},
+                       double{comparison.disparity} + (c.cx - double{at.u}) * double{crossing.slopes.x} +
+                           (c.cy - double{at.v}) * double{crossing.slopes.y});
     const double off = double{comparison.disparity} / double{at.disparity} - 1;
     apartMetres.push_back(static_cast<float>(std::abs(off) / glm::length(n)));
 }

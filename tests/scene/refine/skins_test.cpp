@@ -336,7 +336,8 @@ TEST(Skins, TellHowFarApartDenseSurfacesAreThoughNoiseSlopesThem) {
     ImageStore store({wallAt(4, {}), wallAt(4.04, beside)});
     SkinFigures figures;
     markSkins(store, 0, everyOther(2, 0), {}, figures);
-    EXPECT_NEAR(figures.words.at(0).apartMetres, 0.04, 0.003);
+    EXPECT_LT(figures.words.at(0).apartMetres, 0.041);
+    EXPECT_GT(figures.words.at(0).apartMetres, 0.035) << "a tenth is lost to slopes that noise makes";
 }
 
 TEST(Skins, AreTheSameBytesOnOneThreadAndOnTwoAndWithAnEmptyImageAmongThePartners) {
