@@ -15,8 +15,7 @@ namespace app {
 
 namespace {
 
-/// Of fewer levels the tree takes no less: they are the grid of voxels.
-constexpr int kFewestLevels = render::kLeastVoxelLevel;
+using render::kFewestLevels;
 
 std::string millimetresOf(double metres) {
     char text[32];

@@ -41,31 +41,31 @@ GpuCoverage::GpuCoverage(const Device& device, std::unique_ptr<const scene::Cove
     cornerInWorld_ = coverage.cornerInWorld, edgeMetres_ = coverage.edgeMetres;
     levels_ = scene::levelsOf(coverage), finestCellMetres_ = scene::finestCellOf(coverage);
     CoverageTexels made = coverageTexels(coverage);
-    grid_ = made.grid, hasDivided_ = !made.links.empty();
-    const std::size_t texels = std::max(made.words.size(), made.masks.size()),
+    grid_ = made.grid, brickLevels_ = made.brickLevels;
+    const std::size_t texels = std::max(made.words.size(), made.bricks.size()),
                       most = device.limits().maxTexelBufferElements;
     if (texels > most)
         throw scene::Failure("coverage takes " + std::to_string(texels) + " texels, more than the " +
                                  std::to_string(most) + " a shader can read",
                              device.name(), "choose another device, or draw with --hide-unseen");
-    if (!hasDivided_) made.masks.resize(1), made.links.resize(1); // there is no empty buffer
-    const auto onDevice = [&](const auto& given) {
-        return upload(device, std::as_bytes(std::span(given)), VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT);
+    if (brickLevels_ == 0) made.bricks.resize(1), made.bases.resize(1); // there is no empty buffer
+    const auto onDevice = [&](std::span<const std::uint32_t> words) {
+        return upload(device, std::as_bytes(words), VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT);
     };
-    words_ = onDevice(made.words), masks_ = onDevice(made.masks), links_ = onDevice(made.links);
-    wordsView_ = makeTexelView(device, words_, VK_FORMAT_R32_UINT);
-    masksView_ = makeTexelView(device, masks_), linksView_ = makeTexelView(device, links_);
+    words_ = onDevice(made.words), bricks_ = onDevice(made.bricks), bases_ = onDevice(made.bases);
+    const auto viewOf = [&](const Buffer& buffer) { return makeTexelView(device, buffer, VK_FORMAT_R32_UINT); };
+    wordsView_ = viewOf(words_), bricksView_ = viewOf(bricks_), basesView_ = viewOf(bases_);
     pool_ = makeSetPool(device, 1, kUnseenBindings);
-    set_ =
-        allocateSet(device, pool_, layout_,
-                    std::array<Bound, 3>{
-                        {{words_.handle(), wordsView_}, {masks_.handle(), masksView_}, {links_.handle(), linksView_}}});
+    set_ = allocateSet(
+        device, pool_, layout_,
+        std::array<Bound, 3>{
+            {{words_.handle(), wordsView_}, {bricks_.handle(), bricksView_}, {bases_.handle(), basesView_}}});
 }
 
 ComputePipeline makeUnseenPipeline(const Device& device, const GpuCoverage& coverage, VkDescriptorSetLayout eyeLayout) {
     const std::uint32_t workgroupSize = device.workgroupSize(64);
     return makeComputePipeline(device, kUnseenCode, std::array{eyeLayout, coverage.layout()}, sizeof(UnseenConstants),
-                               std::array{workgroupSize, std::uint32_t{coverage.hasDivided() ? 1u : 0u}});
+                               std::array{workgroupSize, coverage.brickLevels()});
 }
 
 UnseenConstants unseenConstants(const glm::dvec3& cornerInWorld, double edgeMetres, const UnseenGrid& grid,
@@ -86,7 +86,7 @@ UnseenConstants unseenConstants(const glm::dvec3& cornerInWorld, double edgeMetr
     c.fade = {static_cast<float>(1 / kStripeMetres), static_cast<float>(1 / std::min(camera.fx, camera.fy)), kSkyDepth,
               static_cast<float>(kSkyMetres)};
     c.gridFirst = vec4(grid.first, grid.size);
-    c.gridCount = vec4(grid.count, static_cast<float>(grid.firstBase)); // exactly: there are not so many
+    c.gridCount = vec4(grid.count, 0);
     return c;
 }
 

@@ -28,8 +28,8 @@ class GpuCoverage {
     int levels() const { return levels_; } ///< of its tree (scene/coverage_levels.h)
     double finestCellMetres() const { return finestCellMetres_; }
     const UnseenGrid& grid() const { return grid_; } ///< of voxels
-    bool hasDivided() const { return hasDivided_; }  ///< voxels
-    std::size_t bytes() const { return words_.size() + masks_.size() + links_.size(); }
+    std::uint32_t brickLevels() const { return brickLevels_; }
+    std::size_t bytes() const { return words_.size() + bricks_.size() + bases_.size(); }
     /// Null if it is its own.
     const scene::Coverage* lent() const { return own_ ? nullptr : &openGrid_.coverage(); }
     const scene::OpenGrid& openGrid() const { return openGrid_; } ///< on the processor: what it may hide
@@ -44,9 +44,9 @@ class GpuCoverage {
     double finestCellMetres_ = 0;
     scene::OpenGrid openGrid_;
     UnseenGrid grid_{};
-    bool hasDivided_ = false;
-    Buffer words_, masks_, links_;
-    BufferView wordsView_, masksView_, linksView_;
+    std::uint32_t brickLevels_ = 0;
+    Buffer words_, bricks_, bases_;
+    BufferView wordsView_, bricksView_, basesView_;
     VkDescriptorSetLayout layout_ = VK_NULL_HANDLE;
     DescriptorPool pool_;
     VkDescriptorSet set_ = VK_NULL_HANDLE;

@@ -6,17 +6,17 @@
 
 layout(local_size_x_id = 0) in;
 
-layout(constant_id = 1) const bool kHasDivided = true;
+layout(constant_id = 1) const uint kBrickLevels = 2u;
 
 layout(std430, set = 0, binding = 2) buffer Colours { uint colours[]; };
 layout(std430, set = 0, binding = 3) buffer Depths { float depths[]; };
 layout(set = 1, binding = 0) uniform usamplerBuffer coverageWords;
-layout(set = 1, binding = 1) uniform usamplerBuffer coverageNodes;
-layout(set = 1, binding = 2) uniform usamplerBuffer coverageLinks;
+layout(set = 1, binding = 1) uniform usamplerBuffer coverageBricks;
+layout(set = 1, binding = 2) uniform usamplerBuffer coverageBases;
 
 uint coverageWord(uint index) { return texelFetch(coverageWords, int(index)).x; }
-uvec2 coverageMasks(uint index) { return texelFetch(coverageNodes, int(index)).xy; }
-uvec2 coverageLink(uint index) { return texelFetch(coverageLinks, int(index)).xy; }
+uint coverageBrick(uint index) { return texelFetch(coverageBricks, int(index)).x; }
+uint coverageBase(uint index) { return texelFetch(coverageBases, int(index)).x; }
 
 #include "render/shaders/shared/unseen.h"
 
@@ -24,8 +24,7 @@ layout(push_constant) uniform Constants { UnseenConstants constants; };
 
 UnseenGrid coverageGrid()
 {
-    return UnseenGrid(constants.gridFirst.xyz, constants.gridFirst.w, constants.gridCount.xyz,
-                      uint(int(constants.gridCount.w)));
+    return UnseenGrid(constants.gridFirst.xyz, constants.gridFirst.w, constants.gridCount.xyz);
 }
 
 uvec2 pixelOf(uint k) { return gl_WorkGroupID.xy * kBeamPixels + uvec2(k % kBeamPixels, k / kBeamPixels); }

@@ -58,8 +58,8 @@ TEST_F(CoverageForms, AsFineAsItsShareAllowsAndAtLeastTheCoarsest) {
     EXPECT_EQ(finer.bytes, bytesOf(5));
     EXPECT_EQ(finer.why, "asked");
     const CoverageForm coarsest = formOf(kNoLimit, {.mostBytes = 0, .whyNoMore = "asked"});
-    EXPECT_EQ(coarsest.levels, render::kLeastVoxelLevel);
-    EXPECT_EQ(coarsest.bytes, bytesOf(render::kLeastVoxelLevel));
+    EXPECT_EQ(coarsest.levels, render::kFewestLevels);
+    EXPECT_EQ(coarsest.bytes, bytesOf(render::kFewestLevels));
 }
 
 TEST(CoverageFormOfACorner, IsAsFineAsShadersCanRead) {
@@ -69,7 +69,7 @@ TEST(CoverageFormOfACorner, IsAsFineAsShadersCanRead) {
     ASSERT_LT(sizes[5].mostTexels(), sizes[6].mostTexels());
     // They are three buffers: none of them has all the texels there are.
     const render::CoverageTexels made = render::coverageTexels(coverage);
-    EXPECT_EQ(sizes[7].mostTexels(), std::max(made.words.size(), made.masks.size()));
+    EXPECT_EQ(sizes[7].mostTexels(), std::max(made.words.size(), made.bricks.size()));
     const CoverageWish all{.mostBytes = kNoLimit, .whyNoMore = "asked"};
     EXPECT_EQ(formOf(coverage, sizes[7].mostTexels(), all).levels, 7);
     const CoverageForm form = formOf(coverage, sizes[6].mostTexels() - 1, all);

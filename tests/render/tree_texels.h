@@ -11,11 +11,8 @@ struct TreeTexels {
     explicit TreeTexels(const scene::Coverage& coverage) : made(coverageTexels(coverage)) {}
     const UnseenGrid& grid() const { return made.grid; }
     uint word(uint index) const { return made.words.at(index); }
-    uvec2 masks(uint index) const { return of(made.masks.at(index)); }
-    uvec2 link(uint index) const { return of(made.links.at(index)); }
-
-  private:
-    static uvec2 of(const CoveragePair& pair) { return {pair[0], pair[1]}; }
+    uint brick(uint index) const { return made.bricks.at(index); }
+    uint base(uint index) const { return made.bases.at(index); }
 };
 
 } // namespace render

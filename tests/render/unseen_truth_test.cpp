@@ -372,18 +372,18 @@ class UnseenTruth : public RenderTest {};
 
 TEST_F(UnseenTruth, InARoom) {
     const Place place = scanPlace(scene::makeRoom(), 2);
-    expectTruth(place, {{Warp::points, 2.5, 5}, {}, {.every = 1, .levels = kLeastVoxelLevel, .leastCellMetres = 0.02}});
+    expectTruth(place, {{Warp::points, 2.5, 5}, {}, {.every = 1, .levels = kFewestLevels, .leastCellMetres = 0.02}});
 }
 
 TEST_F(UnseenTruth, AtAStreetCorner) {
     const Place place = scanPlace(scene::makeStreetCorner(), 3);
     const int finer = scene::levelsOf(place.coverage) - 2;
-    ASSERT_GT(finer, kLeastVoxelLevel);
+    ASSERT_GT(finer, kFewestLevels);
     expectTruth(place, {{Warp::points, 2.5, 5},
                         {},
                         {.every = 5, .levels = finer, .leastCellMetres = 0.018},
                         // The fewest levels that a device is brought.
-                        {.every = 1, .levels = kLeastVoxelLevel, .leastCellMetres = 0.3}});
+                        {.every = 1, .levels = kFewestLevels, .leastCellMetres = 0.3}});
 }
 
 } // namespace

@@ -10,16 +10,17 @@
 // `pocket`: beyond, the ray counts as unseen, and the pattern stands where that stretch ends.
 //
 // Open space is crossed by a grid of voxels that know how far about them nothing is unseen (Cohen and Sheffer,
-// "Proximity clouds", 1994). A block of pixels crosses it together, as far as one box of open space after the other
-// holds all of its rays (after the beams of Laine and Karras, "Efficient sparse voxel octrees", 2010).
+// "Proximity clouds", 1994). Where something in a voxel or right beside it is not open, it is a brick of 4 x 4 x 4
+// finer ones that know the same, and so on, so that a large site has as fine ones beside its walls as a small one. A
+// block of pixels crosses them together, as far as one box of open space after the other holds all of its rays (after
+// the beams of Laine and Karras, "Efficient sparse voxel octrees", 2010).
 //
-// Whoever includes this says with kHasDivided whether any voxel is divided: a shader for a tree without does not go
-// below, not even where a driver does both sides of a branch.
+// Whoever includes this says with kBrickLevels whether there are any (0), and whether there are bricks in bricks (2): a
+// shader for a grid without does not go below, not even where a driver does both sides of a branch.
 //
-// Before this header: words of the grid through coverageWord(index), and of the tree's nodes, in pairs, through
-// coverageMasks(index) and coverageLink(index), as render/post/coverage_texels.h lays them out; behind it, which grid
-// it is through coverageGrid(). No more is read than is asked for: a software driver gathers each word of each
-// invocation by itself.
+// Before this header: words of the grid through coverageWord(index), of bricks through coverageBrick(index) and
+// coverageBase(index), as render/post/coverage_texels.h lays them out; behind it, which grid it is through
+// coverageGrid(). No more is read than is asked for: a software driver gathers each word of each invocation by itself.
 
 #include "render/shaders/shared/language.h"
 #include "render/shaders/shared/z_key.h"
@@ -38,23 +39,23 @@ struct UnseenConstants {
     vec4 pattern; ///< stripes' phase per edge of the cube, along x, y, z; w: phase at the eye
     vec4 fade; ///< x: phase per metre; y: a pixel's width at depth 1; z: depth of the sky; w: where it is drawn as if
     vec4 gridFirst; ///< UnseenGrid::first; w: its size
-    vec4 gridCount; ///< UnseenGrid::count; w: its firstBase
+    vec4 gridCount; ///< UnseenGrid::count
 };
 
 /// The voxels: a box of cells of one level of the tree about all that was observed. Outside of it, in the cube, all is
 /// unseen; nothing is known outside of the cube.
 struct UnseenGrid {
-    vec3 first;     ///< of all voxels that the cube would have room for, the first one along each axis
-    float size;     ///< voxels along the edge of the cube
-    vec3 count;     ///< voxels along each edge of the box
-    uint firstBase; ///< word
+    vec3 first; ///< of all voxels that the cube would have room for, the first one along each axis
+    float size; ///< voxels along the edge of the cube
+    vec3 count; ///< voxels along each edge of the box
 };
 
-/// A place in the tree: the cell that a point is in.
+/// What is known about a place: the largest cube of open space about the voxel that it is in, or that voxel.
 struct UnseenCell {
     bool isUnseen;
-    vec3 within; ///< where in the cell, [0, 1]
-    float scale; ///< cells to an edge of the whole cube
+    vec3 before; ///< from the cube's least corner to the place, voxels
+    float edge;  ///< of the cube, voxels
+    float voxel; ///< of such a size, in edges of the whole one
 };
 
 /// What a ray meets.
@@ -68,7 +69,13 @@ struct UnseenHit {
 static_assert(sizeof(UnseenConstants) == 128); // as much as every device takes
 #endif
 
-SHARED_CONSTANT uint kDividedVoxel = 255u; ///< instead of rings: the tree knows more of the voxel
+SHARED_CONSTANT uint kBrick = 0x80000000u; ///< in a voxel's word: of which brick it is, instead of rings
+SHARED_CONSTANT uint kWordsPerBrick = 8u;  ///< each of eight of its voxels: three bits for each, and, above them, ...
+SHARED_CONSTANT uint kRankBit = 24u;       ///< ... how many of those before are divided
+// Of a voxel of a brick. 0: unseen; so many rings of open ones are about it, itself the first; or
+SHARED_CONSTANT uint kMostBrickRings = 5u; ///< at most that are told
+SHARED_CONSTANT uint kOpenPair = 6u;       ///< one ring, but it is of two by two by two that are all open
+SHARED_CONSTANT uint kDividedVoxel = 7u;   ///< it is a brick
 SHARED_CONSTANT uint kBeamPixels = 8u;     ///< along the side of a block of pixels
 SHARED_CONSTANT int kMostBeamSteps = 64;
 /// Voxels: where the boxes are smaller it is no use to go on together.
@@ -80,12 +87,12 @@ SHARED_CONSTANT int kMostUnseenSteps = 2048; ///< through the finest cells of a 
 SHARED_CONSTANT float kRayInfinity = 1e30f;
 
 #ifdef __cplusplus
-constexpr bool kHasDivided = true;
+constexpr uint kBrickLevels = 2u;
 #define COVERAGE_PARAMETER const CoverageTexels &texels,
 #define COVERAGE_ARGUMENT texels,
 #define COVERAGE_WORD(index) texels.word(index)
-#define COVERAGE_MASKS(index) texels.masks(index)
-#define COVERAGE_LINK(index) texels.link(index)
+#define COVERAGE_BRICK(index) texels.brick(index)
+#define COVERAGE_BASE(index) texels.base(index)
 #define COVERAGE_GRID texels.grid()
 #define COVERAGE_TEMPLATE template <class CoverageTexels>
 inline int bitCount(uint word) {
@@ -96,101 +103,106 @@ UnseenGrid coverageGrid();
 #define COVERAGE_PARAMETER
 #define COVERAGE_ARGUMENT
 #define COVERAGE_WORD(index) coverageWord(index)
-#define COVERAGE_MASKS(index) coverageMasks(index)
-#define COVERAGE_LINK(index) coverageLink(index)
+#define COVERAGE_BRICK(index) coverageBrick(index)
+#define COVERAGE_BASE(index) coverageBase(index)
 #define COVERAGE_GRID coverageGrid()
 #define COVERAGE_TEMPLATE
 #endif
 
-/// How many bytes of a word are those of divided voxels, which have all bits set.
-SHARED_FUNCTION int dividedIn(uint word) {
-    uint halves = word & (word >> 1);
-    uint quarters = halves & (halves >> 2);
-    return bitCount(quarters & (quarters >> 4) & 0x01010101u);
+/// How many of a word's eight voxels are bricks, which have all three bits set.
+SHARED_FUNCTION int bricksIn(uint word) {
+    return bitCount(word & (word >> 1) & (word >> 2) & 0x00249249u);
 }
 
+/// The voxel of the grid that p, in the cube, is in.
 struct UnseenVoxel {
-    uint index;
-    vec3 at;    ///< its place in the cube, in voxels
-    uint four;  ///< the rings of its four, a byte each
-    uint rings; ///< so many cubes of voxels about each other, this the first, are open; 0: unseen; or kDividedVoxel
+    uint word;
+    vec3 within; ///< [0, 1]
 };
 
-/// p in the cube.
 COVERAGE_TEMPLATE SHARED_FUNCTION UnseenVoxel unseenVoxelAt(COVERAGE_PARAMETER vec3 p) {
     UnseenGrid grid = COVERAGE_GRID;
+    vec3 scaled = p * grid.size;
+    vec3 at = clamp(floor(scaled), grid.first, grid.first + grid.count - vec3(1.0f));
+    // Exactly: there are no more voxels than single precision counts.
+    vec3 inGrid = at - grid.first;
+    float index = (inGrid.z * grid.count.y + inGrid.y) * grid.count.x + inGrid.x;
     UnseenVoxel voxel;
-    voxel.at = clamp(floor(p * grid.size), grid.first, grid.first + grid.count - vec3(1.0f));
-    vec3 inGrid = voxel.at - grid.first;
-    uint row = uint(int(inGrid.z)) * uint(int(grid.count.y)) + uint(int(inGrid.y));
-    voxel.index = row * uint(int(grid.count.x)) + uint(int(inGrid.x));
-    voxel.four = COVERAGE_WORD(voxel.index >> 2);
-    voxel.rings = (voxel.four >> (8u * (voxel.index & 3u))) & 255u;
+    voxel.word = COVERAGE_WORD(uint(int(index)));
+    voxel.within = scaled - at;
     return voxel;
 }
 
-/// Of a divided voxel.
-COVERAGE_TEMPLATE SHARED_FUNCTION uint nodeOfVoxel(COVERAGE_PARAMETER UnseenVoxel voxel) {
-    UnseenGrid grid = COVERAGE_GRID;
-    uint before = voxel.four & ((1u << (8u * (voxel.index & 3u))) - 1u);
-    return COVERAGE_WORD(grid.firstBase + (voxel.index >> 2)) + uint(dividedIn(before));
-}
-
-/// The box of open voxels about one that is not divided, or that voxel, if it is unseen; p in the voxel; size: voxels
-/// along the edge of the cube.
-SHARED_FUNCTION UnseenCell boxAbout(UnseenVoxel voxel, vec3 p, float size) {
-    float beside = max(float(voxel.rings), 1.0f) - 1.0f, edge = 2.0f * beside + 1.0f;
+/// A voxel of the grid that is no brick.
+SHARED_FUNCTION UnseenCell cellOfVoxel(UnseenVoxel voxel, float size) {
+    float beside = max(float(int(voxel.word & ~kBrick)), 1.0f) - 1.0f;
     UnseenCell cell;
-    cell.isUnseen = voxel.rings == 0u;
-    cell.scale = size / edge;
-    cell.within = (p * size - (voxel.at - vec3(beside))) / edge;
+    cell.isUnseen = voxel.word == 0u;
+    cell.before = voxel.within + vec3(beside);
+    cell.edge = 1.0f + 2.0f * beside;
+    cell.voxel = 1.0f / size;
     return cell;
 }
 
-/// The cell of the tree that p is in, or the box of open voxels about it; p in the cube.
+/// The voxel of a brick that a place in it, [0, 4], is in.
+SHARED_FUNCTION vec3 voxelOfBrick(vec3 within) {
+    return clamp(floor(within), vec3(0.0f), vec3(3.0f));
+}
+SHARED_FUNCTION uint bitOfVoxel(vec3 at) {
+    return uint(int(at.x + 4.0f * at.y + 16.0f * at.z));
+}
+
+/// A voxel of a brick that is none, `at` in it.
+SHARED_FUNCTION UnseenCell cellOfBrick(uint known, vec3 at, vec3 within, float voxel) {
+    bool isPair = known == kOpenPair;
+    float beside = max(float(int(known)), 1.0f) - 1.0f;
+    UnseenCell cell;
+    cell.isUnseen = known == 0u;
+    cell.before = within + (isPair ? at - 2.0f * floor(at * 0.5f) : vec3(beside));
+    cell.edge = isPair ? 2.0f : 1.0f + 2.0f * beside;
+    cell.voxel = voxel;
+    return cell;
+}
+
+/// Bricks of the grid alone are looked at, p in the cube: a divided voxel of one counts as unseen.
+COVERAGE_TEMPLATE SHARED_FUNCTION UnseenCell roughCellAt(COVERAGE_PARAMETER vec3 p) {
+    UnseenGrid grid = COVERAGE_GRID;
+    UnseenVoxel top = unseenVoxelAt(COVERAGE_ARGUMENT p);
+    if (kBrickLevels == 0u || (top.word & kBrick) == 0u) return cellOfVoxel(top, grid.size);
+    vec3 within = top.within * 4.0f;
+    vec3 at = voxelOfBrick(within);
+    uint bit = bitOfVoxel(at);
+    uint known = (COVERAGE_BRICK(kWordsPerBrick * (top.word & ~kBrick) + (bit >> 3)) >> (3u * (bit & 7u))) & 7u;
+    return cellOfBrick(known == kDividedVoxel ? 0u : known, at, within - at, 0.25f / grid.size);
+}
+
+/// p in the cube.
 COVERAGE_TEMPLATE SHARED_FUNCTION UnseenCell unseenCellAt(COVERAGE_PARAMETER vec3 p) {
-    UnseenVoxel voxel = unseenVoxelAt(COVERAGE_ARGUMENT p);
+    if (kBrickLevels < 2u) return roughCellAt(COVERAGE_ARGUMENT p);
     UnseenGrid grid = COVERAGE_GRID;
-    float size = grid.size;
-    if (!kHasDivided || voxel.rings != kDividedVoxel) return boxAbout(voxel, p, size);
-    UnseenCell cell;
-    uint node = nodeOfVoxel(COVERAGE_ARGUMENT voxel);
-    vec3 within = (p * size - voxel.at) * 4.0f;
-    float scale = size * 4.0f;
+    UnseenVoxel top = unseenVoxelAt(COVERAGE_ARGUMENT p);
+    if ((top.word & kBrick) == 0u) return cellOfVoxel(top, grid.size);
+    uint brick = top.word & ~kBrick;
+    vec3 within = top.within;
+    float voxel = 1.0f / grid.size;
     while (true) {
-        vec3 at = clamp(floor(within), vec3(0.0f), vec3(3.0f));
-        within = within - at;
-        uint bit = uint(int(at.x)) + 4u * uint(int(at.y)) + 16u * uint(int(at.z));
-        bool isHigh = bit >= 32u;
-        uint mask = 1u << (bit & 31u);
-        uvec2 masks = COVERAGE_MASKS(2u * node + (isHigh ? 1u : 0u));
-        uint unseen = masks.x, children = masks.y;
-        if ((children & mask) == 0u) {
-            cell.isUnseen = (unseen & mask) != 0u;
-            cell.within = within;
-            cell.scale = scale;
-            // Two by two by two cells that are all open are passed through at once.
-            vec3 pair = floor(at * 0.5f);
-            uint eight = 0x00330033u << (2u * uint(int(pair.x)) + 8u * uint(int(pair.y)));
-            if (((unseen | children) & eight) == 0u) {
-                cell.within = (within + at - 2.0f * pair) * 0.5f;
-                cell.scale = scale * 0.5f;
-            }
-            return cell;
-        }
-        uvec2 below = COVERAGE_LINK(node);
-        node = below.x + uint(bitCount(children & (mask - 1u))) + (isHigh ? below.y : 0u);
         within = within * 4.0f;
-        scale = scale * 4.0f;
+        voxel = voxel * 0.25f;
+        vec3 at = voxelOfBrick(within);
+        within = within - at;
+        uint bit = bitOfVoxel(at), shift = 3u * (bit & 7u);
+        uint eight = COVERAGE_BRICK(kWordsPerBrick * brick + (bit >> 3));
+        uint known = (eight >> shift) & 7u;
+        if (known != kDividedVoxel) return cellOfBrick(known, at, within, voxel);
+        brick = COVERAGE_BASE(brick) + (eight >> kRankBit) + uint(bricksIn(eight & ((1u << shift) - 1u)));
     }
-    return cell;
+    return cellOfVoxel(top, grid.size);
 }
 
-/// Metres of depth to where a ray leaves the cell; per: 1 / direction.
-SHARED_FUNCTION float leaveCell(vec3 within, vec3 per, float scale) {
-    vec3 far = vec3(per.x >= 0.0f ? 1.0f : 0.0f, per.y >= 0.0f ? 1.0f : 0.0f, per.z >= 0.0f ? 1.0f : 0.0f);
-    vec3 t = (far - within) * per;
-    return max(min(min(t.x, t.y), t.z), 0.0f) / scale;
+/// Metres of depth to where a ray leaves the cell; per: 1 / direction, ahead: 1 where that is not negative, else 0.
+SHARED_FUNCTION float leaveCell(UnseenCell cell, vec3 per, vec3 ahead) {
+    vec3 t = (ahead * cell.edge - cell.before) * per;
+    return max(min(min(t.x, t.y), t.z), 0.0f) * cell.voxel;
 }
 
 /// A direction's part that is never zero: what is parallel to a face never gets there.
@@ -205,7 +217,7 @@ SHARED_FUNCTION float safeInverse(float part) {
 COVERAGE_TEMPLATE SHARED_FUNCTION vec2 openStretch(COVERAGE_PARAMETER vec3 eye, vec3 base, vec3 across, vec3 down,
                                                    float end) {
     UnseenGrid grid = COVERAGE_GRID;
-    float size = grid.size;
+    float size = grid.size * 4.0f; // voxels of bricks
     vec3 middle = base + 0.5f * (across + down);
     vec3 beside = 0.5f * (abs(across) + abs(down));
     // All are between two rays, seen along each axis by itself.
@@ -223,14 +235,15 @@ COVERAGE_TEMPLATE SHARED_FUNCTION vec2 openStretch(COVERAGE_PARAMETER vec3 eye, 
     float t = 0.0f, from = 0.0f;
     int closed = 0;
     for (int i = 0; i < kMostBeamSteps && closed < kMostBeamStarts && t < end; ++i) {
-        UnseenVoxel voxel = unseenVoxelAt(COVERAGE_ARGUMENT eye + t * middle);
-        float rings = voxel.rings == kDividedVoxel ? 0.0f : float(voxel.rings);
-        vec3 low = (voxel.at - vec3(rings - 1.0f)) * (1.0f / size);
-        vec3 high = (voxel.at + vec3(rings)) * (1.0f / size);
+        vec3 p = eye + t * middle;
+        UnseenCell cell = roughCellAt(COVERAGE_ARGUMENT p); // where bricks are in bricks, beams are too wide
+        vec3 low = p - cell.before * cell.voxel;
+        vec3 high = low + vec3(cell.edge * cell.voxel);
         vec3 inside = min(high - (eye + t * most), (eye + t * least) - low);
         vec3 leave = min((high - eye) * perMost + neverHigh, (low - eye) * perLeast + neverLow);
         float next = min(min(leave.x, leave.y), leave.z);
-        bool isOpen = min(min(inside.x, inside.y), inside.z) >= 0.0f && next > t + kLeastBeamStep * perVoxel;
+        bool isOpen =
+            !cell.isUnseen && min(min(inside.x, inside.y), inside.z) >= 0.0f && next > t + kLeastBeamStep * perVoxel;
         if (isOpen) {
             t = next;
             if (t - from > best.y - best.x) best = vec2(from, t);
@@ -260,6 +273,7 @@ COVERAGE_TEMPLATE SHARED_FUNCTION UnseenHit walkToUnseen(COVERAGE_PARAMETER vec3
     hit.isUnseen = false;
     hit.depth = kRayInfinity;
     vec3 per = vec3(safeInverse(direction.x), safeInverse(direction.y), safeInverse(direction.z));
+    vec3 ahead = vec3(per.x >= 0.0f ? 1.0f : 0.0f, per.y >= 0.0f ? 1.0f : 0.0f, per.z >= 0.0f ? 1.0f : 0.0f);
     // Where the grid begins and ends; outside nothing was observed.
     UnseenGrid grid = COVERAGE_GRID;
     vec3 toLow = (grid.first / grid.size - eye) * per;
@@ -298,7 +312,7 @@ COVERAGE_TEMPLATE SHARED_FUNCTION UnseenHit walkToUnseen(COVERAGE_PARAMETER vec3
                 if (t > pocket) break;
                 hasBegun = true;
             }
-            t = t + leaveCell(cell.within, per, cell.scale) + grain + t * 1e-6f;
+            t = t + leaveCell(cell, per, ahead) + grain + t * 1e-6f;
         }
     }
     if (!hasBegun) {
