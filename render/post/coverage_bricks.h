@@ -1,12 +1,12 @@
 #pragma once
-// Bricks: voxels of the grid as 4 x 4 x 4 finer ones, where there is both open and unseen space in them or right beside
-// them; and those of these in which there is both, and so on.
+// Bricks: voxels of the grid as 4 x 4 x 4 finer ones, where there is both open and unseen space in them, or where they
+// are open right beside what is not; and those of these in which there is both, and so on.
 //
 //     +---+---+---+---+
 //     | 2 | 1 |###| 1 |    numbers: rings of open voxels of this size about each, itself the first, across bricks'
 //     | 2 | 1 |###| 1 |             borders, whatever stands beside the brick
 //     | 2 | 1 | 1 | 1 |    #: closed: unseen, or a brick
-//     | 3 | 2 | 2 | 1 |
+//     | 2 | 2 | 2 | 2 |
 //     +---+---+---+---+
 
 #include "render/post/coverage_rings.h"

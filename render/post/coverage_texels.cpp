@@ -200,16 +200,17 @@ CoverageTexels coverageTexels(const scene::Coverage& coverage) {
     BrickOrder order = orderBricks(tree, std::move(nodes));
     const std::vector<std::size_t> open = voxels.besideClosed();
     const std::size_t bricks = order.nodes.size() + open.size();
-    CoverageTexels all{gridOf(box), words, std::vector<std::uint32_t>(kWordsPerBrick * bricks), {}};
+    CoverageTexels all{gridOf(box), {}, std::vector<std::uint32_t>(kWordsPerBrick * bricks), {}};
     if (bricks > 0) all.brickLevels = order.nodes.size() > voxels.divided.size() ? 2 : 1;
     const BrickedGrid grid(tree, order, box.count, words);
     tbb::parallel_for(std::size_t{0}, voxels.divided.size(),
                       [&](std::size_t i) { grid.writeDivided(box.placeOf(voxels.divided[i].first), all.bricks); });
-    tbb::parallel_for(std::size_t{0}, open.size(), [&](std::size_t i) {
-        const std::size_t brick = order.nodes.size() + i;
-        grid.writeOpen(box.placeOf(open[i]), brick, all.bricks);
-        all.words[open[i]] = kBrick | static_cast<std::uint32_t>(brick);
-    });
+    tbb::parallel_for(std::size_t{0}, open.size(),
+                      [&](std::size_t i) { grid.writeOpen(box.placeOf(open[i]), order.nodes.size() + i, all.bricks); });
+    // Not before: to others they were open.
+    for (std::size_t i = 0; i < open.size(); ++i)
+        words[open[i]] = kBrick | static_cast<std::uint32_t>(order.nodes.size() + i);
+    all.words = std::move(words);
     all.bases = std::move(order.bases);
     all.bases.resize(bricks); // of open ones nothing is below
     return all;
@@ -227,26 +228,21 @@ std::vector<CoverageSize> coverageSizesByLevels(const scene::Coverage& coverage)
     const int all = static_cast<int>(nodes.size());
     const Box exact = boxOf(coverage, all, ObservedBounds(tree));
     const std::size_t beside = Voxels(tree, exact).besideClosed().size();
-    const auto bricksOf = [&](int voxelLevel, int levels) {
-        if (levels <= voxelLevel) return std::size_t{0};
-        const std::size_t divided = nodes[static_cast<std::size_t>(voxelLevel)];
-        // What is coarsened is open where it was, or where it was divided. Of other grids it is not known.
-        std::size_t bricks = voxelLevel == levelOf(exact) ? beside : std::min(kMostVoxels, 26 * divided);
-        for (int level = voxelLevel; level < levels; ++level)
-            bricks += nodes[static_cast<std::size_t>(level)];
-        return bricks;
-    };
+    const int voxelLevel = levelOf(exact);
     std::vector<CoverageSize> sizes(1);
-    for (int levels = 1; levels < all; ++levels) {
-        // Which box it is once it is coarsened is not known: within this one, perhaps of finer voxels.
+    for (int levels = 1; levels <= all; ++levels) {
+        // A tree is coarsened below what the box of voxels is found by, if it keeps more levels than that. If not, it
+        // is within this one, perhaps of finer voxels: those of the tree's last level, without bricks.
         const Box whole = boxOf(coverage, levels, ObservedBounds(tree, levels));
-        const int finest = finestVoxelLevel(coverage, levels);
-        CoverageSize size{levelOf(whole) == finest ? whole.voxels() : kMostVoxels, 0};
-        for (int level = levelOf(whole); level <= finest; ++level)
-            size.bricks = std::max(size.bricks, bricksOf(level, levels));
+        const bool isThis = levelOf(whole) == finestVoxelLevel(coverage, levels);
+        CoverageSize size{isThis ? whole.voxels() : kMostVoxels, 0};
+        if (levels == all || levels > kMostVoxelLevel) size.words = exact.voxels();
+        // What is coarsened is open where it was, or where it was divided.
+        if (levels > voxelLevel) size.bricks = beside;
+        for (int level = voxelLevel; level < levels; ++level)
+            size.bricks += nodes[static_cast<std::size_t>(level)];
         sizes.push_back(size);
     }
-    sizes.push_back({exact.voxels(), bricksOf(levelOf(exact), all)});
     return sizes;
 }
 

@@ -22,7 +22,7 @@ inline constexpr std::size_t kMostVoxelsOnARay = 1536;
 /// Of the tree that is worth bringing to a device: with fewer, walls of half a cell's thickness stop counting as
 /// unseen.
 inline constexpr int kFewestLevels = 4;
-/// Voxels are no finer than this, metres: bricks divide them further where that is of use.
+/// Above the least level voxels are no finer than this, metres: bricks divide them further where that is of use.
 inline constexpr double kFineEnoughVoxelMetres = 0.05;
 
 /// Words of the grid and of bricks (shaders/shared/unseen.h), each in a buffer of its own, since there is a limit to

@@ -42,7 +42,9 @@ scene::Coverage roomCoverage(const glm::dvec3& offset = glm::dvec3(0)) {
         for (int bit = 0; bit < 64; ++bit) {
             const glm::dvec3 least = at.least + cell * glm::dvec3(bit % 4, bit / 4 % 4, bit / 16);
             const int inside = kindAt(least, cell);
-            if (inside != 0 && inside != 8 && at.level < 5) {
+            // The finest cells in a part of it alone: there would be too many.
+            const bool isFine = glm::all(glm::lessThan(glm::abs(least - glm::dvec3(0.6, 0, 0.8)), glm::dvec3(0.5)));
+            if (inside != 0 && inside != 8 && at.level < (isFine ? 7 : 5)) {
                 node.children |= scene::coverageMask(bit);
                 open.push_back({coverage.nodes.size(), least, cell, at.level + 1});
                 coverage.nodes.emplace_back();
@@ -80,15 +82,16 @@ class Unseen : public RenderTest {
     FrameStats stats_;
 };
 
-/// Once of a tree that goes on below the voxels, once of one that does not: shaders are made for either.
+/// Of bricks within bricks, of bricks alone, and of none: shaders are made for each.
 class UnseenOfLevels : public Unseen, public testing::WithParamInterface<int> {};
 
-INSTANTIATE_TEST_SUITE_P(Levels, UnseenOfLevels, testing::Values(5, 4));
+INSTANTIATE_TEST_SUITE_P(Levels, UnseenOfLevels, testing::Values(7, 5, 4));
 
 TEST_P(UnseenOfLevels, PixelsAreThoseOfTheProcessor) {
     const scene::Coverage coverage = scene::coarsened(roomCoverage(), GetParam());
     ASSERT_EQ(scene::levelsOf(coverage), GetParam());
     const TreeTexels texels(coverage);
+    ASSERT_EQ(texels.made.brickLevels, std::min(GetParam() - 4, 2));
     // No whole number of blocks, and not looking through the middle of the picture.
     auto eyes = eyesAt();
     for (scene::View& eye : eyes) {

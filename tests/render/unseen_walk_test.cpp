@@ -282,58 +282,56 @@ int ringsAbout(const scene::Coverage& coverage, const std::array<int, 3>& at, in
 }
 
 struct CellsAsked {
-    int wide = 0, ofBricks = 0, pairs = 0, ofGrid = 0;
+    int wide = 0, ofBricks = 0, within = 0, pairs = 0, ofGrid = 0; ///< within: of bricks in bricks
 };
 
-/// What is told to be open about places is as wide as it is said to be; the trees have a level below that of the grid.
+/// What is told to be open about places is as wide as it is said to be; the trees have two levels below the grid's.
 void expectRingsOf(const scene::Coverage& coverage, int across, int places, CellsAsked& asked) {
     const Texels texels(coverage);
     const UnseenGrid grid = texels.grid();
     ASSERT_EQ(grid.size, across);
+    ASSERT_EQ(texels.made.brickLevels, 2u);
     std::mt19937 random(6);
+    const auto uniform = [&] { return static_cast<double>(random()) / 4294967296.0; };
     for (int i = 0; i < places; ++i) {
-        std::array<int, 3> fine{}, voxel{};
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            const auto a = static_cast<int>(axis);
-            fine[axis] = 4 * int(grid.first[a]) + int(random() % uint(4 * int(grid.count[a])));
-            voxel[axis] = fine[axis] / 4;
-        }
-        const UnseenCell cell =
-            unseenCellAt(texels, vec3((glm::dvec3(fine[0], fine[1], fine[2]) + 0.5) / (4.0 * across)));
-        const int rings = ringsAbout(coverage, fine, 4 * across);
-        ASSERT_EQ(cell.isUnseen, rings == 0) << fine[0] << " " << fine[1] << " " << fine[2];
-        if (rings == 0) continue;
-        const int told = int(cell.edge + 1) / 2;
-        asked.wide += rings > 3 ? 1 : 0;
-        if (cell.voxel * float(across) == 1.0f) {
-            ASSERT_EQ(ringsAbout(coverage, voxel, across), std::min(told, kMostAsked));
+        const double x = uniform(), y = uniform(), z = uniform();
+        const vec3 p((glm::dvec3(grid.first) + glm::dvec3(grid.count) * glm::dvec3(x, y, z)) / double(across));
+        const UnseenCell cell = unseenCellAt(texels, p);
+        // The voxel that the place is in, of the level at which it was found.
+        const int size = int(std::round(1.0f / cell.voxel));
+        const vec3 low = glm::floor(p * float(size));
+        const std::array<int, 3> at{int(low.x), int(low.y), int(low.z)};
+        const int rings = ringsAbout(coverage, at, size), told = int(cell.edge + 1) / 2;
+        ASSERT_EQ(cell.isUnseen, rings == 0) << at[0] << " " << at[1] << " " << at[2] << " of " << size;
+        if (cell.isUnseen) continue;
+        if (size == across) {
+            ASSERT_EQ(rings, std::min(told, kMostAsked));
             EXPECT_GT(told, 1) << "right beside what is not open there are bricks";
             ++asked.ofGrid;
         } else if (cell.edge == 2.0f) {
             EXPECT_EQ(rings, 1);
-            bool isAllOpen = true;
-            for (int k = 0; k < 8; ++k) {
-                const std::array<int, 3> of{fine[0] / 2 * 2 + k % 2, fine[1] / 2 * 2 + k / 2 % 2,
-                                            fine[2] / 2 * 2 + k / 4};
-                isAllOpen = isAllOpen && ringsAbout(coverage, of, 4 * across) > 0;
-            }
-            EXPECT_TRUE(isAllOpen);
+            for (int k = 0; k < 8; ++k)
+                EXPECT_GT(ringsAbout(coverage,
+                                     {at[0] / 2 * 2 + k % 2, at[1] / 2 * 2 + k / 2 % 2, at[2] / 2 * 2 + k / 4}, size),
+                          0);
             ++asked.pairs;
         } else {
-            ASSERT_EQ(cell.voxel * float(across), 0.25f);
-            EXPECT_EQ(std::min(rings, int(kMostBrickRings)), told) << fine[0] << " " << fine[1] << " " << fine[2];
-            ++asked.ofBricks;
+            EXPECT_EQ(std::min(rings, int(kMostBrickRings)), told) << at[0] << " " << at[1] << " " << at[2];
+            asked.ofBricks += size == 4 * across ? 1 : 0;
+            asked.within += size == 16 * across ? 1 : 0;
+            asked.wide += rings > 3 ? 1 : 0;
         }
     }
 }
 
 TEST(UnseenWalk, RingsAreAllTheOpenCubesOfVoxelsAboutOne) {
     CellsAsked asked;
-    expectRingsOf(scene::randomCoverage(5, 4, 0.002, 0.1), 64, 1000, asked);
+    expectRingsOf(scene::randomCoverage(5, 5, 0.01, 0.4), 64, 6000, asked);
     // Longer than wide, and wider than high; a quarter of it was observed.
-    expectRingsOf(flatSite(5, 6, 0.002, 0.1), 1024, 2000, asked);
+    expectRingsOf(flatSite(5, 7, 0.01, 0.4), 1024, 12000, asked);
     EXPECT_GT(asked.wide, 100);
-    EXPECT_GT(asked.ofBricks, 50);
+    EXPECT_GT(asked.ofBricks, 100);
+    EXPECT_GT(asked.within, 60);
     EXPECT_GT(asked.pairs, 20);
     EXPECT_GT(asked.ofGrid, 100);
 }
@@ -447,7 +445,11 @@ TEST(UnseenWalk, NoMoreBytesThanAreForetold) {
         EXPECT_LT(foretold, levels > 3 ? most[static_cast<std::size_t>(levels) + 1] : foretold + 1);
     }
     EXPECT_EQ(most[3], bytesOf(scene::coarsened(coverage, 2))) << "the grid alone";
-    for (const scene::Coverage& other : {flatSite(9, 7, 0.3, 0.15), farSite(9, 7, 0.3, 0.15),
+    // Of more voxels than there may be at the level that is fine enough: a level of the tree less is no other grid.
+    scene::Coverage wide = scene::randomCoverage(9, 7, 0.3, 0.08);
+    wide.edgeMetres = 60;
+    EXPECT_EQ(foretoldBytes(wide)[6], bytesOf(scene::coarsened(wide, 6)));
+    for (const scene::Coverage& other : {wide, flatSite(9, 7, 0.3, 0.15), farSite(9, 7, 0.3, 0.15),
                                          flatSite(9, 7, 0.003, 0.15), scene::randomCoverage(8, 6, 0.003, 0.15)}) {
         const std::vector<std::size_t> mostOfIt = foretoldBytes(other);
         EXPECT_EQ(mostOfIt.back(), bytesOf(other));

@@ -117,7 +117,7 @@ SHARED_FUNCTION int bricksIn(uint word) {
 /// The voxel of the grid that p, in the cube, is in.
 struct UnseenVoxel {
     uint word;
-    vec3 within; ///< [0, 1]
+    vec3 within; ///< [0, 1], farther off outside of the grid
 };
 
 COVERAGE_TEMPLATE SHARED_FUNCTION UnseenVoxel unseenVoxelAt(COVERAGE_PARAMETER vec3 p) {
